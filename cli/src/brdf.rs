@@ -9,7 +9,7 @@ use papilio_display::pixel::state_names;
 use papilio_display::scene::{Scene, Stop};
 use papilio_display::{
     BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, LobeWidths, ProbeGrid,
-    RingGrid, RingTable, ViewerGrid, ViewerTable,
+    RingGrid, RingTable, SavedRows, ViewerGrid, ViewerTable,
 };
 use papilio_formats::{
     BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_rings, scene_script, write_bsdf,
@@ -20,6 +20,7 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{ALL_STATES, Brdf, BrdfFormat};
 use crate::progress::Computation;
+use crate::saved::SavedTable;
 use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
 
 const FILE: &str = "display-bsdf.npz";
@@ -37,13 +38,24 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let states = chosen_states(&arguments.states, &all)?;
     check_size(arguments, &resolved.scene, states.len())?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
+    let saved = SavedTable::open(&folder, STEM, &resolved.hash, directions(arguments))?;
     let mut computation = Computation::in_parts(&PARTS);
-    let (table, probes) = compute(arguments, &resolved, (&states, all.len()), &mut computation)?;
-    let split = computation.part(&resolved, arguments.workers.threads, |control| {
-        papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
-    })?;
+    let found =
+        compute(arguments, &resolved, (&states, all.len()), &mut computation, &saved).and_then(|found| {
+            let split = computation.part(&resolved, arguments.workers.threads, |control| {
+                papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
+            })?;
+            Ok((found, split.ok_or(Failure::Interrupted(NOTHING))?))
+        });
     drop(computation);
-    let mut split = split.ok_or(Failure::Interrupted(NOTHING))?;
+    let ((table, probes), mut split) = match found {
+        Ok(found) => found,
+        Err(Failure::Interrupted(_)) => return Err(saved.interrupted(NOTHING, RESUME)),
+        Err(other) => {
+            saved.discard()?;
+            return Err(other);
+        }
+    };
     let beams = match &table {
         Table::Directions(table) => table,
         Table::HalfVectors(_, beams) | Table::Rings(_, beams) | Table::Patches(_, beams) => beams,
@@ -62,6 +74,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
         folder::write_about(&folder, &title, &resolved.hash)?;
         names.extend([SPLIT, folder::ABOUT].map(str::to_owned));
+        saved.discard()?;
         Ok::<_, Failure>(names)
     })?;
     folder.print_written(&names);
@@ -75,7 +88,23 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Names of journals begin with this.
+const STEM: &str = "brdf";
+
 const NOTHING: &str = "no file was written";
+const RESUME: &str = "finished rows are saved; run the same command again to resume";
+
+/// The options that determine the directions of a table.
+fn directions(arguments: &Brdf) -> String {
+    let step = arguments.step;
+    match arguments.format {
+        // The same directions in two formats.
+        BrdfFormat::Npz | BrdfFormat::Csv => format!("step {step}"),
+        BrdfFormat::Rgl => format!("half vectors {}, step {step}", grid_size(arguments)),
+        BrdfFormat::Radiant => format!("rings, step {step}"),
+        BrdfFormat::Klems => "patches".to_owned(),
+    }
+}
 
 /// A table of the chosen states.
 enum Table {
@@ -162,14 +191,16 @@ fn compute(
     resolved: &Resolved,
     (states, count): (&[usize], usize),
     computation: &mut Computation,
+    saved: &SavedTable<'_>,
 ) -> Result<(Table, ViewerTable<ProbeGrid>), Failure> {
     let (scene, threads, step) = (&resolved.scene, arguments.workers.threads, arguments.step);
     let some = (states, count, arguments.allow_error);
+    let [rows, rows_between] = [0, 1].map(|part| saved.part(part, 2));
     let found = computation.part(resolved, threads, |control| {
         let widths = LobeWidths::of_scene(scene, control)?;
         let (table, lights) = match arguments.format {
             BrdfFormat::Npz | BrdfFormat::Csv => {
-                let mut table = papilio_display::brdf(scene, BrdfGrid::even(step), control)?;
+                let mut table = papilio_display::brdf_resumed(scene, BrdfGrid::even(step), control, &rows)?;
                 if states.len() < count {
                     table = table.with_states(states);
                 }
@@ -178,19 +209,21 @@ fn compute(
             }
             BrdfFormat::Rgl => {
                 let grid = HalfVectorGrid::new(step, grid_size(arguments), &widths);
-                let (table, beams, lights) = with_beams(scene, grid, control, some)?;
+                let (table, beams, lights) = with_beams(scene, grid, (control, &rows), some)?;
                 (Table::HalfVectors(table, beams), lights)
             }
             BrdfFormat::Radiant => {
-                let (table, beams, lights) = with_beams(scene, RingGrid::new(step, &widths), control, some)?;
+                let (table, beams, lights) =
+                    with_beams(scene, RingGrid::new(step, &widths), (control, &rows), some)?;
                 (Table::Rings(table, beams), lights)
             }
             BrdfFormat::Klems => {
-                let (table, beams, lights) = with_beams(scene, klems_rings(&widths), control, some)?;
+                let (table, beams, lights) = with_beams(scene, klems_rings(&widths), (control, &rows), some)?;
                 (Table::Patches(table, beams), lights)
             }
         };
-        let probes = papilio_display::brdf_at_viewers(scene, ProbeGrid::between(&lights, &widths), control)?;
+        let between = ProbeGrid::between(&lights, &widths);
+        let probes = papilio_display::brdf_at_viewers_resumed(scene, between, control, &rows_between)?;
         let probes = if states.len() < count { probes.with_states(states) } else { probes };
         Ok((table, probes))
     })?;
@@ -202,10 +235,10 @@ fn compute(
 fn with_beams<G: ViewerGrid>(
     scene: &Scene,
     grid: G,
-    control: &Control<'_>,
+    (control, rows): (&Control<'_>, &dyn SavedRows),
     some: (&[usize], usize, Option<f64>),
 ) -> Result<(ViewerTable<G>, BrdfTable, Vec<f64>), DisplayError> {
-    let table = at_viewers(scene, grid, control, some)?;
+    let table = at_viewers(scene, grid, (control, rows), some)?;
     let (beams, lights) = (table.of_beams(), table.grid.theta_i_deg().to_vec());
     Ok((table, beams, lights))
 }
@@ -214,10 +247,10 @@ fn with_beams<G: ViewerGrid>(
 fn at_viewers<G: ViewerGrid>(
     scene: &Scene,
     grid: G,
-    control: &Control<'_>,
+    (control, rows): (&Control<'_>, &dyn SavedRows),
     (states, count, allowed): (&[usize], usize, Option<f64>),
 ) -> Result<ViewerTable<G>, DisplayError> {
-    let mut table = papilio_display::brdf_at_viewers(scene, grid, control)?;
+    let mut table = papilio_display::brdf_at_viewers_resumed(scene, grid, control, rows)?;
     if states.len() < count {
         table = table.with_states(states);
     }

@@ -11,7 +11,7 @@ use papilio_formats::{
 };
 use papilio_microgeometry::{
     ByRays, ByWaves, Coating, Collected, Findings, Goniometer, Measured, Measurement, MicrogeometryError,
-    Side, Statistics,
+    REPLICATES, Side, Statistics,
 };
 use papilio_scenario::{ResolvedSurface, SurfaceScenario};
 
@@ -19,7 +19,7 @@ use crate::arguments::Gonio;
 use crate::journal::open_rows;
 use crate::numbers::{digits, measured};
 use crate::parallel::compute_parallel;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
+use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, report, terminal};
 
 /// Names of journals begin with this.
 const STEM: &str = "gonio";
@@ -36,6 +36,8 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     if arguments.preview {
         resolved = resolved.preview();
     }
+    let replicates = if resolved.measurement.by_rays { REPLICATES } else { 0 };
+    costs::check_rays(resolved.measurement.goniometer.rays, replicates, arguments.workers.threads)?;
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
         _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),

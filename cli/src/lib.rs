@@ -18,6 +18,7 @@ mod brdf;
 mod catalogue;
 mod compare;
 mod completions;
+mod costs;
 mod crosstalk;
 mod diffuser;
 mod failure;
@@ -45,6 +46,7 @@ mod pixel;
 mod progress;
 mod report;
 mod run;
+mod saved;
 mod schema;
 mod serve;
 mod sparkle;
@@ -94,7 +96,7 @@ commands! {
     /// Export the spectral BRDF of the whole display, for each state
     #[command(after_help = "Examples:\n  papilio brdf scenarios/indoor.toml --out out/brdf\n  \
                       papilio brdf scenarios/indoor.toml --format rgl --states white,black --out out/mitsuba\n\n\
-                      docs/brdf.md describes the files.")]
+                      docs/brdf.md describes the files. The same command resumes an interrupted computation.")]
     Brdf(arguments::Brdf) => brdf::brdf,
     /// Compute the sparkle of an antiglare face over the pixels
     #[command(

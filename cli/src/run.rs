@@ -1,6 +1,7 @@
 //! `papilio run`: the result of a scenario.
 
 use std::io::Write;
+use std::path::Path;
 use std::time::Instant;
 
 use papilio_diagnostics::short_numbers;
@@ -12,8 +13,10 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Run, Solver};
 use crate::folder::ResultFolder;
+use crate::long_work::Expected;
 use crate::progress::{Computation, with_progress};
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
+use crate::saved::SavedTable;
+use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, report};
 
 /// Fractions of the progress that are the views and their cone, about.
 const PARTS: [f64; 2] = [0.2, 0.8];
@@ -24,6 +27,7 @@ const LONG_SECONDS: f64 = 1.0;
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = out_folder(arguments, &resolved.hash)?;
+    costs::check_paths(&resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     cost_note(&resolved, arguments.workers.threads)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
     let threads = arguments.workers.threads;
@@ -33,10 +37,16 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let mut result = result.ok_or(Failure::Interrupted("no result was computed; no file was written"))?;
     let seconds = started.elapsed().as_secs_f64();
     let started = Instant::now();
-    let cone = match arguments.cone && !result.solver.interrupted {
-        true => compute_cone(&resolved, arguments, &mut prepared, &mut computation)?,
-        false => None,
-    };
+    let mut saved = None;
+    let mut cone = None;
+    if let Some(folder) = out.as_deref().filter(|_| arguments.cone && !result.solver.interrupted) {
+        let table = saved.insert(SavedTable::open(folder, "cone", &resolved.hash, "maps".to_owned())?);
+        let found = compute_cone(&resolved, arguments, (&mut prepared, table), &mut computation);
+        if let (Err(_), Some(table)) = (&found, saved.take_if(|_| found.is_err())) {
+            table.discard()?;
+        }
+        cone = found?;
+    }
     drop(computation);
     let cone_seconds = started.elapsed().as_secs_f64();
     result.warnings.splice(0..0, resolved.warnings.iter().cloned());
@@ -60,7 +70,13 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
         report: arguments.report,
         in_glass: resolved.scene.solver.angle_medium == AngleMedium::Glass,
     };
-    let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| output::write_run(folder, &files)));
+    let mut write = |folder: &Path| {
+        let names = output::write_run(folder, &files)?;
+        // With its maps, there is nothing to resume.
+        saved.take().filter(|_| cone.is_some()).map_or(Ok(()), SavedTable::discard)?;
+        Ok::<_, Failure>(names)
+    };
+    let written = out.as_deref().map(|folder| interrupt::uninterrupted(|| write(folder)));
     // Print the result even if the files cannot be written.
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
@@ -77,9 +93,9 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     cone_warnings.for_each(|warning| print_message(&format!("warning: cone: {warning}")));
     match (result.solver.interrupted, arguments.cone && cone.is_none()) {
         (true, _) => Err(Failure::Interrupted("the result contains the work done so far")),
-        (false, true) => {
-            Err(Failure::Interrupted("the cone map was not computed; all other results were written"))
-        }
+        (false, true) => Err(Failure::Interrupted(
+            "the cone map is not complete; all other results were written, and the same command resumes it",
+        )),
         (false, false) => Ok(()),
     }
 }
@@ -108,6 +124,9 @@ fn cost_note(resolved: &Resolved, threads: Option<u16>) -> Result<Option<String>
     let ((solver, seconds), (other, of_other)) =
         if is_adding { (adding, monte_carlo) } else { (monte_carlo, adding) };
     let Some(seconds) = seconds.filter(|seconds| *seconds >= LONG_SECONDS) else { return Ok(None) };
+    let (what, keys) =
+        (format!("this result by {solver}"), "solver.paths, or a larger solver.relative_error");
+    Expected { what, keys, seconds, bytes: 0.0 }.check(threads)?;
     let faster = of_other.filter(|of_other| *of_other < 0.5 * seconds).map_or(String::new(), |of_other| {
         format!(
             "\n  = help: {other} would take about {}; --solver auto takes the faster one",
@@ -162,12 +181,14 @@ fn resolve(arguments: &Run) -> Result<Resolved, Failure> {
 fn compute_cone(
     resolved: &Resolved,
     arguments: &Run,
-    prepared: &mut Prepared,
+    (prepared, saved): (&mut Prepared, &SavedTable<'_>),
     computation: &mut Computation,
 ) -> Result<Option<ConeResult>, Failure> {
     let mut grid = ConeGrid::within(&resolved.scene)?;
     grid.reference_deg = arguments.cone_reference.unwrap_or(grid.reference_deg);
     computation.part(resolved, arguments.workers.threads, |control| {
-        prepared.cone(&resolved.scene, grid, control)?.allowing(arguments.allow_error)
+        prepared
+            .cone_resumed(&resolved.scene, grid, control, &saved.part(0, 1))?
+            .allowing(arguments.allow_error)
     })
 }

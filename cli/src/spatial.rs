@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::arguments::SpatialCommand;
 use crate::folder::ResultFolder;
 use crate::progress::with_progress;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report, terminal};
+use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, report, terminal};
 
 /// A result with places.
 pub(crate) trait SpatialOutput {
@@ -104,6 +104,7 @@ fn computed<R>(
         return Err(papilio_figures::PngError::NotBuilt.into());
     }
     let folder = arguments.folder(&resolved.hash)?;
+    costs::check_paths(resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     let result = with_progress(resolved, arguments.workers.threads, compute)?;
     Ok((result.ok_or(Failure::Interrupted("no file was written"))?, folder))
 }

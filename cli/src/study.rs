@@ -13,10 +13,13 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::Study;
 use crate::progress::with_progress;
-use crate::{Failure, folder, input, interrupt, numbers, output, print_message, print_notes, report};
+use crate::{Failure, costs, folder, input, interrupt, numbers, output, print_message, print_notes, report};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
+
+/// Paths of all samplers and strategies over those of `--paths`, about.
+const CURVES: f64 = 12.0;
 
 /// Points of each set in the figure of point sets.
 const POINTS: u64 = 256;
@@ -29,6 +32,8 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     print_message(&format!(
         "note: the study traces {first} to {last} paths (--paths) whatever solver.relative_error is"
     ));
+    // One thread, and for each sampler and strategy.
+    costs::check_paths(&resolved, Some(arguments.paths), (CURVES, "--paths"), Some(1))?;
     let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
     let paths: Vec<u64> =
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();

@@ -171,9 +171,9 @@ impl From<DisplayError> for Fault {
                 "use a wider one, or the Monte Carlo solver",
             )
             .for_monte_carlo(),
-            DisplayError::TooNarrowInField { width, least } => Self::too_much(
+            DisplayError::TooNarrowInField { width, least, light } => Self::too_much(
                 format!(
-                    "the diffuser of width {width:.1e} is too narrow for adding in light that depends on azimuth (expected at least {least}): it \
+                    "the diffuser of width {width:.1e} is too narrow for adding in light that {light} (expected at least {least}): it \
                      would take hours"
                 ),
                 "use a wider one, or the Monte Carlo solver",

@@ -7,12 +7,14 @@
 
 mod count;
 mod licences;
+mod mutants;
 mod oracle;
 mod package;
 mod page;
 mod pairs;
 mod peers;
 mod pictures;
+mod programs;
 mod python;
 mod release;
 mod serve;
@@ -89,6 +91,11 @@ const WITH_ARGUMENTS: &[TaskWithArguments] = &[
         "release",
         "make packages for users in target/packages, and install and run each: cargo xtask release [program] [wheel] [sdist] [crates] [sums] [--target TRIPLE]",
         release::release,
+    ),
+    (
+        "mutants",
+        "change the sources of a crate in every place, and list the changes that no test finds: cargo xtask mutants [CRATE...] [--shard K/N]",
+        mutants::mutants,
     ),
     (
         "bench-pairs",

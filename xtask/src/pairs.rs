@@ -8,54 +8,61 @@ use std::process::{Command, Stdio};
 
 use crate::shell::{self, Outcome};
 
-/// A case: its name, the command and its options after the file, the scenario, and the changes of its keys.
+/// A case: its name, the command and its options after the files, the scenario and further files of `scenarios/`, and
+/// the changes of its keys.
 struct Case {
     name: &'static str,
     command: &'static [&'static str],
     scenario: &'static str,
+    files: &'static [&'static str],
     changes: &'static [&'static str],
 }
 
 const RUN: &[&str] = &["run", "--quiet"];
 const CONE: &[&str] = &["run", "--cone", "--quiet"];
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 20] = [
     Case {
         name: "haze 0.2 under a front of 0.02, one view",
         command: RUN,
         scenario: "indoor",
+        files: &[],
         changes: &["display.diffuser.haze=0.2", "display.front.0.reflectance=0.02"],
     },
     Case {
         name: "the same, 25 views",
         command: RUN,
         scenario: "indoor",
+        files: &[],
         changes: &[
             "display.diffuser.haze=0.2",
             "display.front.0.reflectance=0.02",
             "viewer.theta_deg=[0,2,4,6,8,10,12,14,16,18,20,22,24,26,28,30,32,34,36,38,40,42,44,46,48]",
         ],
     },
-    Case { name: "measured film H65", command: RUN, scenario: "measured-h65", changes: &[] },
-    Case { name: "cover glass", command: RUN, scenario: "cover-glass", changes: &[] },
+    Case { name: "measured film H65", command: RUN, scenario: "measured-h65", files: &[], changes: &[] },
+    Case { name: "cover glass", command: RUN, scenario: "cover-glass", files: &[], changes: &[] },
     Case {
         name: "rough glass, alpha 0.02",
         command: RUN,
         scenario: "rough-glass",
+        files: &[],
         changes: &["display.layers.0.alpha=0.02"],
     },
     Case {
         name: "rough glass, alpha 0.1",
         command: RUN,
         scenario: "rough-glass",
+        files: &[],
         changes: &["display.layers.0.alpha=0.1"],
     },
-    Case { name: "cone under a sky", command: CONE, scenario: "sky", changes: &[] },
-    Case { name: "cone under a map", command: CONE, scenario: "map", changes: &[] },
+    Case { name: "cone under a sky", command: CONE, scenario: "sky", files: &[], changes: &[] },
+    Case { name: "cone under a map", command: CONE, scenario: "map", files: &[], changes: &[] },
     Case {
         name: "Monte Carlo, paper under rough glass",
         command: RUN,
         scenario: "rough-glass",
+        files: &[],
         changes: &[
             "solver.method=monte-carlo",
             "display.layers.0.alpha=0.1",
@@ -67,16 +74,69 @@ const CASES: [Case; 11] = [
         name: "Monte Carlo, slab of optical thickness 2",
         command: RUN,
         scenario: "slab",
+        files: &[],
         changes: &["solver.method=monte-carlo", "display.diffuser.optical_thickness=2"],
     },
     Case {
         name: "2048 designs (tolerance analysis of indoor.toml)",
         command: &["tolerance", "--quiet"],
         scenario: "indoor",
+        files: &[],
         changes: &[
             "tolerance={ samples = 2048, keys = [{ key = \"display.pixel.film.1.thickness_nm\", normal = { sigma = 0.3 } }, \
              { key = \"display.pixel.gap_nm.red\", normal = { sigma = 3 } }], limits = [{ metric = \"white.Y\", at_least = 0.5 }] }",
         ],
+    },
+    Case { name: "cholesteric paper", command: RUN, scenario: "cholesteric", files: &[], changes: &[] },
+    Case {
+        name: "mtf of sub-pixels",
+        command: &["mtf", "--quiet"],
+        scenario: "matrix",
+        files: &[],
+        changes: &[],
+    },
+    Case {
+        name: "mtf of two diffusers, by paths",
+        command: &["mtf", "--quiet", "--solver", "monte-carlo"],
+        scenario: "laminated-text",
+        files: &[],
+        changes: &["spectrum.step_nm=20"],
+    },
+    Case {
+        name: "crosstalk",
+        command: &["crosstalk", "--quiet"],
+        scenario: "matrix",
+        files: &[],
+        changes: &[],
+    },
+    Case {
+        name: "a photograph on six inks",
+        command: &["image", "--quiet"],
+        scenario: "six-ink",
+        files: &["data/photographs/coffee.jpg"],
+        changes: &[],
+    },
+    Case {
+        name: "sparkle",
+        command: &["sparkle", "--quiet"],
+        scenario: "antiglare",
+        files: &[],
+        changes: &[],
+    },
+    Case { name: "sweep", command: &["sweep", "--quiet"], scenario: "sweep", files: &[], changes: &[] },
+    Case {
+        name: "search by gradients",
+        command: &["optimize", "--quiet", "--no-check"],
+        scenario: "optimize",
+        files: &[],
+        changes: &[],
+    },
+    Case {
+        name: "fit of a film",
+        command: &["fit", "--quiet"],
+        scenario: "fit",
+        files: &["data/synthetic-film.csv"],
+        changes: &[],
     },
 ];
 
@@ -120,8 +180,10 @@ fn seconds(program: &str, case: &Case) -> Result<f64, String> {
     let mut command = Command::new("bash");
     command.current_dir(shell::root()).args(["-c", "TIMEFORMAT='%U %S'; time \"$@\" >/dev/null 2>\"$0\""]);
     let errors = out.with_extension("txt");
-    command.arg(&errors).arg(Path::new(program)).args(case.command);
-    command.arg(format!("scenarios/{}.toml", case.scenario)).args(["--threads", "1", "--out"]).arg(&out);
+    command.arg(&errors).arg(Path::new(program)).args(case.command.iter().take(1));
+    command.arg(format!("scenarios/{}.toml", case.scenario));
+    command.args(case.files.iter().map(|file| format!("scenarios/{file}")));
+    command.args(&case.command[1..]).args(["--threads", "1", "--out"]).arg(&out);
     case.changes.iter().for_each(|change| {
         command.args(["--set", change]);
     });

@@ -36,6 +36,9 @@ const SEARCH_VARIABLE: &str = "PAPILIO_SEARCH_SEEDS";
 /// Duration of the web app's test of fifty simultaneous clients.
 const LOAD_VARIABLE: &str = "PAPILIO_LOAD_SECONDS";
 
+/// Duration of the web app's test of fifty hostile clients.
+const SOAK_VARIABLE: &str = "PAPILIO_SOAK_SECONDS";
+
 /// Number of points, read by the program's test of long sweeps.
 const POINTS_VARIABLE: &str = "PAPILIO_SWEEP_POINTS";
 
@@ -70,6 +73,7 @@ pub(crate) fn with_more(seeds: u64, stacks: u64) -> Outcome {
             .env(FUZZ_VARIABLE, FUZZ_SECONDS)
             .env(SEARCH_VARIABLE, "10")
             .env(LOAD_VARIABLE, LOAD_SECONDS)
+            .env(SOAK_VARIABLE, "3600")
             .env(POINTS_VARIABLE, POINTS);
         tests
     };

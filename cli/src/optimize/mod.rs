@@ -24,7 +24,7 @@ use papilio_scenario::{Edit, Optimisation, edit};
 use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
 use crate::progress::FractionBar;
-use crate::{Failure, input, interrupt, output, print_message, print_notes};
+use crate::{Failure, costs, input, interrupt, output, print_message, print_notes};
 
 /// Fraction of the progress that is the search, about; the rest is the check of its designs.
 const SEARCH: f64 = 0.8;
@@ -34,6 +34,17 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     overrides.extend(arguments.seed.map(|seed| format!("optimize.seed={seed}")));
     let optimisation = input::scenario::<Optimisation>(&arguments.scenario.file, &overrides)?;
     print_notes(&optimisation.notes);
+    // Of a front, each point is a search.
+    let searches = if optimisation.objectives.len() > 1 { optimisation.points } else { 1 };
+    let count = (optimisation.evaluations * searches * optimisation.conditions.len().max(1)) as f64;
+    let paths = optimisation.variables.iter().flat_map(|one| one.keys.iter().map(|key| key.path.as_str()));
+    costs::check_evaluations(
+        &costs::own(&arguments.scenario.file, &arguments.scenario.set)?,
+        (count, "designs", "optimize.evaluations, optimize.points"),
+        costs::are_of_film(paths),
+        0.0,
+        arguments.workers.threads,
+    )?;
     let folder = arguments.scenario.out.clone().unwrap_or_else(|| arguments.scenario.default_out());
     output::check(&folder)?;
     interrupt::catch_ctrl_c();

@@ -26,7 +26,7 @@ use papilio_scenario::{Sweep, label, labelled_names, nearest};
 use self::compute::compute;
 use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepOutputs as Outputs, SweepRun, default_out};
-use crate::{Failure, input, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, costs, input, interrupt, output, print_message, print_notes, report};
 
 /// Number of points from which a note says that a compact sweep takes less time and space.
 const MANY_POINTS: usize = 1000;
@@ -60,6 +60,16 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
         sweep.scenario(point)?.resolve()?;
     }
     let light = sweep.light()?;
+    if light.is_none() {
+        let count = sweep.len().div_ceil(arguments.shard.map_or(1, |(_, n)| n));
+        costs::check_evaluations(
+            &sweep.scenario(0)?.resolve()?,
+            (count as f64, "points", "values of the axes of sweep.axes, or --shard"),
+            false,
+            0.0,
+            arguments.threads,
+        )?;
+    }
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
     output::check(&folder)?;
     output::make_folder(&folder)?;

@@ -19,7 +19,7 @@ use papilio_scenario::Tolerance;
 use crate::arguments::{Tolerance as Arguments, default_out};
 use crate::journal::open_rows;
 use crate::parallel::compute_parallel;
-use crate::{Failure, input, interrupt, output, print_message, print_notes};
+use crate::{Failure, costs, input, interrupt, output, print_message, print_notes};
 
 /// Names of files begin with this.
 const STEM: &str = "tolerance";
@@ -29,6 +29,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     print_notes(&tolerance.notes);
     let production = Production::new(&tolerance);
     production.check(&tolerance)?;
+    let paths = tolerance.keys.iter().flat_map(|key| key.paths.iter().map(|(path, ..)| path.as_str()));
+    let numbers = tolerance.metrics.len() + tolerance.limits.len();
+    costs::check_evaluations(
+        &costs::own(&arguments.file, &arguments.set)?,
+        (production.displays() as f64, "displays", "tolerance.samples, tolerance.sensitivity_samples"),
+        costs::are_of_film(paths),
+        costs::samples_bytes(production.displays(), numbers),
+        arguments.workers.threads,
+    )?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
     output::check(&folder)?;
     output::make_folder(&folder)?;

@@ -1,10 +1,14 @@
 //! `run --cone` and `brdf`: maps over all directions, and their files.
 
 use std::fs;
+use std::process::Stdio;
 
 use papilio_figures::HAS_PNG;
+use papilio_testing::sized;
 
-use crate::common::{COARSE, names, papilio_command as papilio, run_scenario as run, scenario, stderr};
+use crate::common::{
+    COARSE, files, names, papilio_command as papilio, run_scenario as run, same, scenario, stderr,
+};
 
 #[test]
 fn cone_option_adds_cone_files_and_png_option_pictures() {
@@ -75,4 +79,43 @@ fn reference_direction_of_a_cone_is_checked() {
         assert!(stderr(&output).contains(expected), "{}", stderr(&output));
     }
     assert_eq!(run("epaper", &["--cone-reference", "8"]).status.code(), Some(2));
+}
+
+/// A table and a map of general layers that are killed once rows are saved: the same command says how many rows it
+/// knows, writes the same bytes as without a kill, and leaves no journal.
+#[test]
+fn killed_tables_and_maps_are_resumed() {
+    for (command, stem) in [
+        (&["run", "--cone"][..], "cone"),
+        (&["brdf", "--step", "15"], "brdf"),
+        // Takes seconds.
+        (&["brdf", "--format", "radiant", "--step", "30"], "brdf"),
+    ]
+    .into_iter()
+    .take(sized(2, 3))
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let start = |out: &str| {
+            let mut program = papilio();
+            program.args(command).arg(scenario("rough-glass")).args(["--set", "spectrum.step_nm=50"]);
+            // Files have the name of their folder in them.
+            program.args(["--threads", "1", "--out"]).arg(folder.path().join(out).join("out"));
+            program.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+        };
+        assert!(start("whole").wait().unwrap().success(), "{command:?}");
+        let expected = files(&folder.path().join("whole/out"));
+        assert!(!expected.contains_key(&format!("{stem}.jsonl")));
+        let journal = folder.path().join("killed/out").join(stem).with_extension("jsonl");
+        let mut child = start("killed");
+        // The head, and rows.
+        while fs::read_to_string(&journal).map_or(0, |text| text.lines().count()) < 4 {
+            assert!(child.try_wait().unwrap().is_none(), "{command:?}: no row was saved");
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let output = start("killed").wait_with_output().unwrap();
+        let said = stderr(&output);
+        assert!(output.status.success() && said.contains(" rows are known from"), "{command:?}: {said}");
+        same(&files(&folder.path().join("killed/out")), &expected);
+    }
 }

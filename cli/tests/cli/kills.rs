@@ -29,9 +29,14 @@ struct Killed {
 
 const SCENARIOS: &str = "../scenarios";
 
-const COMMANDS: [Killed; 10] = [
+const COMMANDS: [Killed; 11] = [
     Killed { command: "sweep {s}/sweep.toml", sets: &["spectrum.step_nm=20"], is_resumed: true },
-    Killed { command: "run {s}/indoor.toml --cone", sets: &["spectrum.step_nm=50"], is_resumed: false },
+    Killed {
+        command: "brdf {s}/rough-glass.toml --step 15",
+        sets: &["spectrum.step_nm=50"],
+        is_resumed: true,
+    },
+    Killed { command: "run {s}/rough-glass.toml --cone", sets: &["spectrum.step_nm=50"], is_resumed: true },
     Killed {
         command: "fit {s}/fit.toml {s}/data/synthetic-film.csv",
         sets: &["fit.starts=4"],
@@ -52,11 +57,11 @@ const COMMANDS: [Killed; 10] = [
         sets: &["spectrum.step_nm=20", "tolerance.samples=128"],
         is_resumed: true,
     },
-    Killed { command: "brdf {s}/epaper.toml --step 10", sets: &["spectrum.step_nm=50"], is_resumed: false },
+    Killed { command: "brdf {s}/epaper.toml --step 10", sets: &["spectrum.step_nm=50"], is_resumed: true },
     Killed {
         command: "brdf {s}/epaper.toml --format rgl --grid 32",
         sets: &["spectrum.step_nm=50"],
-        is_resumed: false,
+        is_resumed: true,
     },
     Killed { command: "image {s}/six-ink.toml {picture}", sets: &[], is_resumed: false },
     Killed { command: "palette {s}/six-ink.toml --rooms D65,FL11", sets: &[], is_resumed: false },

@@ -296,9 +296,9 @@ pub enum DisplayError {
         /// Largest number of nodes that is attempted.
         most: usize,
     },
-    /// A lobe of an ordinary panel that is too narrow for adding in light that depends on azimuth.
+    /// A lobe of an ordinary panel that is too narrow for adding in some light.
     #[error(
-        "the diffuser of width {width:.1e} (`width` or `haze` of display.diffuser) is too narrow for adding in light that depends on azimuth, such as that of a map (expected a width of at \
+        "the diffuser of width {width:.1e} (`width` or `haze` of display.diffuser) is too narrow for adding in light that {light} (expected a width of at \
          least {least}): it would take hours; use the Monte Carlo solver (--solver monte-carlo, or method = \"monte-carlo\")"
     )]
     TooNarrowInField {
@@ -306,6 +306,8 @@ pub enum DisplayError {
         width: f64,
         /// The smallest width.
         least: f64,
+        /// What the light does.
+        light: &'static str,
     },
     /// Rows of a table with an error above the limit.
     #[error(

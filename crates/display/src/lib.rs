@@ -131,8 +131,9 @@ pub use reflection::{Reflection, ReflectionState, reflection};
 pub use rings::{RingGrid, RingTable};
 pub use rows::RowErrors;
 pub use run::{
-    Control, Cost, Forecast, Progress, ProgressFraction, StudyCurve, StudyPoint, THICKEST_FOR_MONTE_CARLO,
-    adding_seconds, always_by_adding, brdf, brdf_at_viewers, cone, cost, forecast, run, study,
+    Control, Cost, Forecast, Progress, ProgressFraction, SavedRows, StudyCurve, StudyPoint,
+    THICKEST_FOR_MONTE_CARLO, Unsaved, adding_seconds, always_by_adding, brdf, brdf_at_viewers,
+    brdf_at_viewers_resumed, brdf_resumed, cone, cost, expected_seconds, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};
 pub use viewers::{BrdfState, Viewer, ViewerGrid, ViewerTable};

@@ -141,7 +141,7 @@ pub use gonio::{
 pub use index::{read_index, read_index_within};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
-    foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,
+    TableHead, foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,
     read_verified_lines, write_journal_line,
 };
 pub use json::write_json;

@@ -16,4 +16,5 @@ mod hostile;
 mod image;
 mod load;
 mod offers;
+mod soak;
 mod studies;

@@ -91,6 +91,48 @@ fn what_would_take_hours_is_refused_with_its_key() {
     assert!(String::from_utf8(output.stdout).unwrap().contains("seen from 1e-300 deg"));
 }
 
+/// Work whose counts say that it takes too long, or too much memory: nothing is computed or written.
+#[test]
+fn work_that_is_known_to_take_too_long_is_refused_before_it_begins() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let paths = ["--set", "solver.method=monte-carlo", "--set", "solver.paths=100000000000"];
+    for (command, file, more, key) in [
+        ("run", "scenarios/indoor.toml", &paths[..], "solver.paths"),
+        ("mtf", "scenarios/matrix.toml", &paths, "solver.paths"),
+        ("sweep", "scenarios/sweep.toml", &paths, "sweep.axes"),
+        ("gonio", "surfaces/etched.toml", &["--set", "microgeometry.rays=1000000000"], "microgeometry.rays"),
+        (
+            "tolerance",
+            "scenarios/tolerance.toml",
+            &["--set", "tolerance.samples=10000000"],
+            "tolerance.samples",
+        ),
+        (
+            "optimize",
+            "scenarios/optimize.toml",
+            &["--set", "optimize.evaluations=100000000"],
+            "optimize.evaluations",
+        ),
+        ("study", "scenarios/sampling.toml", &["--paths", "1000000000000"], "--paths"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let mut program = papilio_command();
+        program.arg(command).args((command == "study").then_some("sampling")).arg(root.join(file));
+        program.args(more).arg("--out").arg(&out);
+        if command != "study" {
+            program.args(["--threads", "1"]);
+        }
+        let output = program.output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{command}: {said}");
+        for words in [key, "--allow-long", "nothing was computed", "expected at most"] {
+            assert!(said.contains(words), "{command}: {words}: {said}");
+        }
+        assert!(!out.exists(), "{command}");
+    }
+}
+
 /// Paths, rays and samples that would take years: the command ends soon, with a hint, unless `--allow-long` is given.
 #[test]
 fn work_of_years_is_refused_as_soon_as_its_time_is_known() {

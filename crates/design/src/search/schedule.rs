@@ -309,10 +309,12 @@ impl ActivePopulation {
         self.best.result.evaluations >= self.task.evaluations.max(1)
     }
 
-    /// Sets the designs of the next generation.
+    /// Sets the designs of the next generation; the last one has as many as there are evaluations left.
     fn next_generation(&mut self, search: &Search) {
         let problem = TaskProblem::new(search, &self.task);
-        self.designs = self.population.next_points().iter().map(|point| problem.design(point)).collect();
+        let left = self.task.evaluations.max(1) - self.best.result.evaluations;
+        let points = self.population.next_points();
+        self.designs = points.iter().take(left).map(|point| problem.design(point)).collect();
     }
 
     /// Stores the quantities of the designs of the current generation.
@@ -322,8 +324,8 @@ impl ActivePopulation {
         for (design, values) in std::mem::take(&mut self.designs).into_iter().zip(&rows) {
             self.best.update(&problem, design, values);
         }
-        self.population.set_costs(costs);
         if !self.is_finished() {
+            self.population.set_costs(costs);
             self.next_generation(search);
         }
     }

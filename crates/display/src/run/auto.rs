@@ -72,6 +72,33 @@ pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, Displa
     estimated(&Run::new(&setup, control, &meter), |_| LONGEST_PILOT_S)
 }
 
+/// Estimates the work of a run before it begins, in seconds of one processor, from counts alone: by which solver, and
+/// its work. Of Monte Carlo with a target, it is that of the fewest paths.
+///
+/// # Errors
+/// If the scene is invalid, or its preparation was stopped.
+pub fn expected_seconds(scene: &Scene, control: &Control<'_>) -> Result<(Method, f64), DisplayError> {
+    let setup = Setup::new(scene, control)?;
+    let by_paths = |paths: u64| {
+        let views = setup.views.len() as f64;
+        (Method::MonteCarlo, views * paths as f64 * path_seconds(&setup))
+    };
+    match (scene.solver.method, &scene.solver.stop) {
+        (_, Stop::Paths(paths)) => Ok(by_paths(*paths)),
+        (Method::Adding | Method::Auto, Stop::RelativeError { target, .. }) => {
+            match adding(&setup, *target) {
+                Ok(seconds) => Ok((Method::Adding, seconds)),
+                // The run says so itself, or is by Monte Carlo.
+                Err(DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) => {
+                    Ok(by_paths(FIRST_PATHS))
+                }
+                Err(other) => Err(other),
+            }
+        }
+        _ => Ok(by_paths(FIRST_PATHS)),
+    }
+}
+
 /// Returns whether adding takes so little work that its exact answer needs no first answer.
 pub(crate) fn is_quick(setup: &Setup) -> bool {
     let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return false };

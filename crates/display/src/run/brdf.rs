@@ -16,7 +16,8 @@ use rayon::ThreadPool;
 use super::cone::target;
 use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
-use super::{Control, Workers, each};
+use super::saved::{Kind, row_number};
+use super::{Control, SavedRows, Unsaved, Workers, each};
 use crate::brdf::{BrdfGrid, BrdfTable};
 use crate::scene::Scene;
 use crate::setup::Setup;
@@ -31,17 +32,32 @@ use crate::{DisplayError, RowErrors};
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
 pub fn brdf(scene: &Scene, grid: BrdfGrid, control: &Control<'_>) -> Result<BrdfTable, DisplayError> {
+    brdf_resumed(scene, grid, control, &Unsaved)
+}
+
+/// Computes the same as [`brdf`]; rows that `saved` has are not computed, and others are saved there.
+///
+/// # Errors
+/// Those of [`brdf`].
+pub fn brdf_resumed(
+    scene: &Scene,
+    grid: BrdfGrid,
+    control: &Control<'_>,
+    saved: &dyn SavedRows,
+) -> Result<BrdfTable, DisplayError> {
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
     setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let survey = Survey::new(&setup, control, &grid, finest(&setup)?);
+    let survey = Survey::new((&setup, control, saved), &grid, finest(&setup)?);
     survey.run(pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
 pub(super) struct Survey<'a> {
     pub(super) setup: &'a Setup,
     pub(super) control: &'a Control<'a>,
+    /// Rows of an earlier computation, and where rows are saved.
+    pub(super) saved: &'a dyn SavedRows,
     grid: &'a BrdfGrid,
     /// One beam for each inclination of the light, from azimuth 0.
     pub(super) beams: Vec<Source>,
@@ -55,13 +71,46 @@ pub(super) type Luminous = Vec<f64>;
 /// Spectra and their Y for each inclination of the viewer, and the number of nodes.
 type Scattered = (Vec<Vec<f32>>, Vec<Luminous>, u64);
 
+/// What is scattered towards some viewers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct OfViewers {
+    /// BRDF, the wavelength fastest.
+    pub(super) spectra: Vec<f32>,
+    /// Y, without the wavelength.
+    pub(super) luminous: Luminous,
+    /// Number of nodes.
+    pub(super) nodes: u64,
+}
+
+impl OfViewers {
+    /// All numbers, to be saved.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        let spectra = self.spectra.iter().copied().map(f64::from);
+        std::iter::once(self.nodes as f64).chain(self.luminous.iter().copied()).chain(spectra).collect()
+    }
+
+    /// Reads [`numbers`](Self::numbers) of this many Y and wavelengths; `None` if there are others.
+    pub(super) fn from_numbers(numbers: &[f64], luminous: usize, bins: usize) -> Option<Self> {
+        let (nodes, rest) = numbers.split_first()?;
+        let (y, spectra) =
+            rest.split_at_checked(luminous).filter(|(_, rest)| rest.len() == luminous * bins)?;
+        let spectra = spectra.iter().map(|value| *value as f32).collect();
+        Some(Self { spectra, luminous: y.to_vec(), nodes: *nodes as u64 })
+    }
+}
+
 /// Scattered spectra and number of nodes; relative errors of Y of each row.
 type Rows = ((Vec<Vec<f32>>, u64), Vec<f64>);
 
 impl<'a> Survey<'a> {
-    pub(super) fn new(setup: &'a Setup, control: &'a Control<'a>, grid: &'a BrdfGrid, finest: usize) -> Self {
+    pub(super) fn new(
+        (setup, control, saved): (&'a Setup, &'a Control<'a>, &'a dyn SavedRows),
+        grid: &'a BrdfGrid,
+        finest: usize,
+    ) -> Self {
         let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
-        Self { setup, control, grid, beams: grid.theta_i_deg.iter().map(beam).collect(), finest }
+        let beams = grid.theta_i_deg.iter().map(beam).collect();
+        Self { setup, control, saved, grid, beams, finest }
     }
 
     /// `None` if it was stopped.
@@ -104,12 +153,20 @@ impl<'a> Survey<'a> {
                 return None;
             }
             *kernel = Kernel::new(level as u32);
+            // The preparation of a panel is reused, and takes milliseconds: its sample is not saved.
+            let number = self.setup.stack.panel().is_none().then(|| row_number(Kind::Sample, level, 0));
+            let count = fields.len() * sources.len() * self.setup.states.len();
+            let known = number.and_then(|number| self.saved.find(number));
+            if let Some(known) = known.filter(|known| known.len() == count) {
+                return Some(known);
+            }
             self.prepare(kernel, &fields, &sources)?;
             let mut all = Luminous::new();
             for view in 0..fields.len() {
                 let estimate = kernel.estimate_unless(&self.setup.stack, view, self.control.stop)?;
                 estimate.rho.iter().for_each(|rho| self.add_luminous(rho, &mut all));
             }
+            number.into_iter().for_each(|number| self.saved.save(number, &all));
             Some(all)
         };
         let bound = error_over_difference(&self.setup.stack, &self.beams);
@@ -145,7 +202,7 @@ impl<'a> Survey<'a> {
         target: f64,
         pool: Option<&ThreadPool>,
     ) -> Option<Rows> {
-        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, 0, pool)?;
+        let (mut spectra, mut luminous, mut nodes) = self.scattered(kernel, (sample.level, 0), pool)?;
         if self.setup.stack.panel().is_some() {
             let errors = vec![sample.error; self.setup.states.len() * self.grid.pairs()];
             return Some(((spectra, nodes), errors));
@@ -153,7 +210,7 @@ impl<'a> Survey<'a> {
         let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
         let times = error_over_difference(&self.setup.stack, &self.beams).max(rest);
         let mut level = sample.level;
-        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), 1, pool)?;
+        let (_, mut coarser, _) = self.scattered(&Kernel::new(level as u32 - 1), (level - 1, 1), pool)?;
         for pass in 2.. {
             let errors = self.errors(&luminous, &coarser, times);
             let misses = |error: &f64| error.is_finite() && *error > target;
@@ -163,7 +220,7 @@ impl<'a> Survey<'a> {
             level += 1;
             *kernel = Kernel::new(level as u32);
             coarser = luminous;
-            (spectra, luminous, nodes) = self.scattered(kernel, pass, pool)?;
+            (spectra, luminous, nodes) = self.scattered(kernel, (level, pass), pool)?;
         }
         None
     }
@@ -199,20 +256,41 @@ impl<'a> Survey<'a> {
 
     /// Computes the spectra scattered towards each inclination of the viewer,
     /// [dphi][theta_i][state][wavelength], their Y, and the number of nodes.
-    fn scattered(&self, kernel: &Kernel, pass: u32, pool: Option<&ThreadPool>) -> Option<Scattered> {
+    fn scattered(
+        &self,
+        kernel: &Kernel,
+        (level, pass): (usize, u32),
+        pool: Option<&ThreadPool>,
+    ) -> Option<Scattered> {
         let stack = &self.setup.stack;
         let fields = |theta: f64| self.grid.dphi_deg.iter().map(move |phi| view(theta, *phi));
         let azimuths = self.grid.dphi_deg.len();
         let mut shared = kernel.unprepared().without_ledger();
-        if stack.panel().is_none() {
+        let (pairs, bins) = (azimuths * self.beams.len(), self.setup.scene.grid.len());
+        let known = |theta: usize| {
+            let numbers = self.saved.find(row_number(Kind::Row, level, theta))?;
+            OfViewers::from_numbers(&numbers, pairs * self.setup.states.len(), bins)
+        };
+        let mut rows: Vec<Option<OfViewers>> = (0..self.grid.theta_o_deg.len()).map(known).collect();
+        if stack.panel().is_none() && rows.iter().any(Option::is_none) {
             let fields: Vec<Cone> = self.grid.theta_o_deg.iter().flat_map(|theta| fields(*theta)).collect();
             self.prepare(&mut shared, &fields, &self.beams)?;
         }
         let done = AtomicUsize::new(0);
-        let row = |(theta, rows): (usize, &mut (Vec<f32>, Luminous, u64))| {
+        let row = |(theta, row): (usize, &mut Option<OfViewers>)| {
             if self.control.stopped() {
                 return None;
             }
+            let report = || {
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                let rows = Progress { unit: "rows", ..Progress::of_views(done, self.grid.theta_o_deg.len()) };
+                (self.control.progress)(rows.within(self.pass(pass)));
+                Some(())
+            };
+            if row.is_some() {
+                return report();
+            }
+            let mut found = OfViewers::default();
             let mut own = None;
             let (kernel, first) = if stack.panel().is_none() {
                 (&shared, theta * azimuths)
@@ -224,24 +302,22 @@ impl<'a> Survey<'a> {
             };
             for view in first..first + azimuths {
                 for rho in &kernel.estimate_unless(stack, view, self.control.stop)?.rho {
-                    rows.0.extend(rho.total().iter().map(|r| (r / PI) as f32));
-                    self.add_luminous(rho, &mut rows.1);
+                    found.spectra.extend(rho.total().iter().map(|r| (r / PI) as f32));
+                    self.add_luminous(rho, &mut found.luminous);
                 }
             }
-            rows.2 = own.map_or(0, |kernel| kernel.nodes() as u64);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            let rows = Progress { unit: "rows", ..Progress::of_views(done, self.grid.theta_o_deg.len()) };
-            (self.control.progress)(rows.within(self.pass(pass)));
-            Some(())
+            // Those of general layers are the same for all rows.
+            found.nodes = kernel.nodes() as u64;
+            self.saved.save(row_number(Kind::Row, level, theta), &found.numbers());
+            *row = Some(found);
+            report()
         };
-        let mut rows = vec![(Vec::new(), Luminous::new(), 0); self.grid.theta_o_deg.len()];
         each(pool, &mut rows, row).into_iter().collect::<Option<Vec<()>>>()?;
-        let mut nodes = if stack.panel().is_none() { shared.nodes() as u64 } else { 0 };
-        let (mut spectra, mut luminous) = (Vec::new(), Vec::new());
-        for (of_viewer, y, own) in rows {
-            spectra.push(of_viewer);
-            luminous.push(y);
-            nodes += own;
+        let (mut spectra, mut luminous, mut nodes) = (Vec::new(), Vec::new(), 0);
+        for row in rows.into_iter().flatten() {
+            spectra.push(row.spectra);
+            luminous.push(row.luminous);
+            nodes = if stack.panel().is_none() { row.nodes } else { nodes + row.nodes };
         }
         Some((spectra, luminous, nodes))
     }
@@ -293,4 +369,23 @@ impl<'a> Survey<'a> {
 /// Returns the direction of a viewer in air.
 pub(super) fn view(theta_deg: f64, phi_deg: f64) -> Cone {
     Cone::new(theta_deg, phi_deg, 0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn saved_numbers_are_read_bit_by_bit_and_others_are_not() {
+        let row = OfViewers {
+            spectra: vec![0.1, 0.2, 0.3, f32::MIN_POSITIVE],
+            luminous: vec![0.1, 1.0 / 3.0],
+            nodes: 7,
+        };
+        let numbers = row.numbers();
+        assert_eq!(OfViewers::from_numbers(&numbers, 2, 2), Some(row));
+        assert_eq!(OfViewers::from_numbers(&numbers, 2, 3), None);
+        assert_eq!(OfViewers::from_numbers(&numbers, 9, 1), None);
+        assert_eq!(OfViewers::from_numbers(&[], 0, 0), None);
+    }
 }

@@ -13,7 +13,8 @@ use rayon::ThreadPool;
 
 use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
-use super::{Control, Run, Workers, each};
+use super::saved::{Kind, row_number};
+use super::{Control, Run, SavedRows, Unsaved, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
 use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
@@ -57,6 +58,20 @@ impl Prepared {
         grid: ConeGrid,
         control: &Control<'_>,
     ) -> Result<ConeResult, DisplayError> {
+        self.cone_resumed(scene, grid, control, &Unsaved)
+    }
+
+    /// Computes the same as [`cone`](Self::cone); rows that `saved` has are not computed, and others are saved there.
+    ///
+    /// # Errors
+    /// Those of [`cone`].
+    pub fn cone_resumed(
+        &mut self,
+        scene: &Scene,
+        grid: ConeGrid,
+        control: &Control<'_>,
+        saved: &dyn SavedRows,
+    ) -> Result<ConeResult, DisplayError> {
         if scene.display.filter().is_some() {
             return Err(DisplayError::FilterWithoutPlace);
         }
@@ -75,6 +90,7 @@ impl Prepared {
         let pool = Workers::unless_one(&mut workers, control.threads)?;
         let survey = Survey {
             run: Run::new(setup, control, &meter),
+            saved,
             equivalent: if setup.stack.base().is_azimuthal() {
                 (0..grid.phi_deg.len()).collect()
             } else {
@@ -105,6 +121,8 @@ pub fn always_by_adding(scene: &Scene, is: &str) -> Option<String> {
 
 struct Survey<'a> {
     run: Run<'a>,
+    /// Rows of an earlier computation, and where rows are saved.
+    saved: &'a dyn SavedRows,
     grid: ConeGrid,
     /// Index of the first equivalent azimuth, for each azimuth.
     equivalent: Vec<usize>,
@@ -198,7 +216,7 @@ impl Survey<'_> {
     fn of_panel(&self, target: f64, pool: Option<&ThreadPool>) -> Option<Rows> {
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
-        let (rows, nodes) = self.all(kernel, [SAMPLE, 1.0], pool)?;
+        let (rows, nodes) = self.all(kernel, (sample.level, [SAMPLE, 1.0]), pool)?;
         let views = self.views(&rows, &sample.finer[0], pool);
         let states = self.run.setup.states.len();
         let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
@@ -243,7 +261,8 @@ impl Survey<'_> {
 
     /// Computes all directions of general layers at a level; `None` if it was stopped.
     fn level(&self, level: usize, pool: Option<&ThreadPool>) -> Option<Level> {
-        let (mut rows, nodes) = self.all(Kernel::new(level as u32), part_of_pass(level as u32), pool)?;
+        let part = part_of_pass(level as u32);
+        let (mut rows, nodes) = self.all(Kernel::new(level as u32), (level, part), pool)?;
         let reference = rows.pop()?.pop()?;
         Some(Level { reference, rows, nodes })
     }
@@ -351,7 +370,7 @@ impl Survey<'_> {
     fn all(
         &self,
         mut kernel: Kernel,
-        part: [f64; 2],
+        (level, part): (usize, [f64; 2]),
         pool: Option<&ThreadPool>,
     ) -> Option<(Vec<Colours>, u64)> {
         let setup = self.run.setup;
@@ -367,7 +386,15 @@ impl Survey<'_> {
         let count = thetas + usize::from(shared);
         let every: Vec<Cone> = (0..count).flat_map(fields).collect();
         let stop = self.run.control.stop;
-        let ready = if shared {
+        let states = setup.states.len();
+        let known = |theta: usize| {
+            let numbers = self.saved.find(row_number(Kind::Row, level, theta))?;
+            row_of(&numbers, if theta < thetas { computed.len() } else { 1 }, states)
+        };
+        let mut rows: Vec<Option<(Colours, u64)>> = (0..count).map(known).collect();
+        let ready = if rows.iter().all(Option::is_some) {
+            true
+        } else if shared {
             kernel = kernel.without_ledger();
             kernel.prepare_unless(&setup.stack, &every, &setup.sources, stop)
         } else {
@@ -375,7 +402,16 @@ impl Survey<'_> {
         };
         ready.then_some(())?;
         let done = AtomicUsize::new(0);
-        let row = |theta: usize| {
+        let row = |(theta, row): (usize, &mut Option<(Colours, u64)>)| {
+            let report = || {
+                let more = if theta < thetas { self.grid.phi_deg.len() } else { 0 };
+                let done = done.fetch_add(more, Ordering::Relaxed) + more;
+                (self.run.control.progress)(self.directions(done).within(part));
+                Some(())
+            };
+            if row.is_some() {
+                return report();
+            }
             let fields = fields(theta);
             let mut own = None;
             let (kernel, first) = if shared {
@@ -387,16 +423,16 @@ impl Survey<'_> {
             };
             let colours =
                 |k: usize| if self.run.control.stopped() { None } else { self.colours(kernel, first + k) };
-            let row = (0..fields.len()).map(colours).collect::<Option<Colours>>()?;
-            let more = if theta < thetas { self.grid.phi_deg.len() } else { 0 };
-            let done = done.fetch_add(more, Ordering::Relaxed) + more;
-            (self.run.control.progress)(self.directions(done).within(part));
-            Some((row, own.map_or(0, |kernel| kernel.nodes() as u64)))
+            let found = (0..fields.len()).map(colours).collect::<Option<Colours>>()?;
+            // Those of general layers are the same for all rows.
+            let nodes = kernel.nodes() as u64;
+            self.saved.save(row_number(Kind::Row, level, theta), &numbers_of(&found, nodes));
+            *row = Some((found, nodes));
+            report()
         };
-        let mut rows: Vec<usize> = (0..count).collect();
-        let rows = each(pool, &mut rows, |(_, theta)| row(*theta)).into_iter().collect::<Option<Vec<_>>>()?;
-        let (rows, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().unzip();
-        let nodes = if shared { kernel.nodes() as u64 } else { nodes.into_iter().sum() };
+        each(pool, &mut rows, row).into_iter().collect::<Option<Vec<()>>>()?;
+        let (rows, nodes): (Vec<_>, Vec<u64>) = rows.into_iter().flatten().unzip();
+        let nodes = if shared { nodes.first().copied().unwrap_or(0) } else { nodes.into_iter().sum() };
         Some((rows, nodes))
     }
 
@@ -426,6 +462,21 @@ impl Survey<'_> {
         views.dedup();
         views
     }
+}
+
+/// All numbers of a row, to be saved.
+fn numbers_of(row: &Colours, nodes: u64) -> Vec<f64> {
+    let colours = row.iter().flatten().flat_map(|xyz| [xyz.x, xyz.y, xyz.z]);
+    std::iter::once(nodes as f64).chain(colours).collect()
+}
+
+/// Reads [`numbers_of`] a row of this many directions and states; `None` if there are others.
+fn row_of(numbers: &[f64], directions: usize, states: usize) -> Option<(Colours, u64)> {
+    let (nodes, colours) = numbers.split_first()?;
+    let (colours, rest) = colours.as_chunks::<3>();
+    let all: Vec<Xyz> = colours.iter().map(|[x, y, z]| Xyz { x: *x, y: *y, z: *z }).collect();
+    let fits = rest.is_empty() && all.len() == directions * states && states > 0;
+    fits.then(|| (all.chunks(states).map(<[Xyz]>::to_vec).collect(), *nodes as u64))
 }
 
 /// Returns Y of all states and directions.

@@ -9,6 +9,7 @@ mod filtered;
 mod progress;
 mod refine;
 mod rounds;
+mod saved;
 mod study;
 mod viewers;
 mod walk;
@@ -23,16 +24,17 @@ use rayon::prelude::*;
 
 pub(crate) use adding::{Kernels, ViewGroupKernel};
 pub(crate) use auto::is_quick;
-pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, forecast};
-pub use brdf::brdf;
+pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, expected_seconds, forecast};
+pub use brdf::{brdf, brdf_resumed};
 pub use cone::{always_by_adding, cone};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{Refined, finest, largest, level_error, refine_or_fail};
 pub use rounds::REPLICATES;
 pub(crate) use rounds::{PILOT, Round, missed, until};
+pub use saved::{SavedRows, Unsaved};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
-pub use viewers::brdf_at_viewers;
+pub use viewers::{brdf_at_viewers, brdf_at_viewers_resumed};
 
 use crate::filtered::Filtered;
 use crate::meter::{Meter, ViewSamples, against_angle};
@@ -320,6 +322,7 @@ impl Run<'_> {
         let (views, reference_white) = (against_angle(views), self.meter.reference_white());
         let mut notes = notes(&views, reference_white);
         notes.extend(polarisation::notes(self.scene));
+        notes.extend(if solver.paths.is_some() { self.few_paths_below() } else { self.across_the_end() });
         warnings.extend(self.coarse_reflectances(&views));
         RunResult {
             notes,
@@ -332,6 +335,37 @@ impl Run<'_> {
             reader: reader(self.scene),
             warnings,
         }
+    }
+
+    /// Returns a note on Monte Carlo below thick slabs: replicates without a path that passes do not show it.
+    fn few_paths_below(&self) -> Option<String> {
+        /// Optical thickness from which errors were found too small.
+        const THICK: f64 = 10.0;
+        let slabs = self.scene.display.layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
+        let thickness: f64 = slabs.map(|slab| slab.optical_thickness).sum();
+        (thickness >= THICK).then(|| {
+            format!(
+                "few paths pass slabs of an optical thickness of {thickness:.0}: standard errors of what lies below, such as the pixel's \
+                 part of the energy balance, may be too small; adding has none"
+            )
+        })
+    }
+
+    /// Returns a note on adding if a field of view goes across the end of measured directions, where the light jumps:
+    /// all levels have the same directions in it.
+    fn across_the_end(&self) -> Option<String> {
+        let end = self.setup.stack.known_within()?;
+        let crosses = |view: &&ViewPoint| {
+            let radius = view.field.axis_towards().length();
+            let half = view.field.half_angle() * (1.0 - radius * radius).max(0.0).sqrt();
+            (radius - end).abs() < half
+        };
+        let view = self.setup.views.iter().find(crosses)?;
+        Some(format!(
+            "the field of view at theta {} deg goes across the end of the diffuser's measured directions: adding's error does not contain that of the \
+             jump there; --solver monte-carlo does, and a smaller viewer.field_deg avoids it",
+            view.theta_deg
+        ))
     }
 
     /// Returns a warning if the grid is too coarse for reflectances under light with narrow lines.

@@ -6,7 +6,7 @@ use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{
     FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, narrowest, nodes_needed,
 };
-use papilio_transport::{Diffuser, Source, Stack, Top};
+use papilio_transport::{Diffuser, Panel, Reflector, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::relative;
@@ -19,6 +19,10 @@ use crate::setup::{Setup, layers_alone};
 /// minute and half a gigabyte.
 const NARROWEST_IN_FIELDS: f64 = 2e-4;
 
+/// The same for the light that a front sends back over a mirror or films: its points increase as 1/width. Two levels
+/// of this one take 10 s, without progress.
+const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
+
 /// Returns the finest level that can be computed for the layers of a display.
 ///
 /// # Errors
@@ -29,7 +33,15 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         && width < NARROWEST_IN_FIELDS
         && setup.sources.iter().any(is_turned)
     {
-        return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_IN_FIELDS });
+        let light = "depends on azimuth, such as that of a map";
+        return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_IN_FIELDS, light });
+    }
+    if let Some(width) = width_of_panel(stack)
+        && width < NARROWEST_BELOW_FRONTS
+        && stack.panel().is_some_and(sends_back)
+    {
+        let light = "a front of screen sends back";
+        return Err(DisplayError::TooNarrowInField { width, least: NARROWEST_BELOW_FRONTS, light });
     }
     let fits = |level: &u32| {
         // Two levels are needed; further ones are computed where they take little time.
@@ -45,6 +57,12 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
 /// Returns whether a source is an environment that depends on azimuth.
 pub(crate) fn is_turned(source: &Source) -> bool {
     matches!(source, Source::Field(field) if !field.is_ring())
+}
+
+/// Returns whether a front sends light back to the diffuser over a base that scatters nothing.
+fn sends_back(panel: &Panel) -> bool {
+    let is_mirror = matches!(panel.base.reflector, Reflector::Specular(_));
+    is_mirror && !panel.single_pass && panel.front.reflectance_below.iter().any(|r| *r > 0.0)
 }
 
 /// Width of the lobe of an ordinary panel.

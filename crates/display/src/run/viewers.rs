@@ -12,10 +12,11 @@ use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
 use rayon::ThreadPool;
 
-use super::brdf::{Luminous, Survey, view};
+use super::brdf::{OfViewers, Survey, view};
 use super::cone::target;
 use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
-use super::{Control, Progress, Workers, each};
+use super::saved::{Kind, row_number};
+use super::{Control, Progress, SavedRows, Unsaved, Workers, each};
 use crate::brdf::BrdfGrid;
 use crate::scene::Scene;
 use crate::setup::Setup;
@@ -45,6 +46,19 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     grid: G,
     control: &Control<'_>,
 ) -> Result<ViewerTable<G>, DisplayError> {
+    brdf_at_viewers_resumed(scene, grid, control, &Unsaved)
+}
+
+/// Computes the same as [`brdf_at_viewers`]; rows that `saved` has are not computed, and others are saved there.
+///
+/// # Errors
+/// Those of [`brdf_at_viewers`].
+pub fn brdf_at_viewers_resumed<G: ViewerGrid>(
+    scene: &Scene,
+    grid: G,
+    control: &Control<'_>,
+    saved: &dyn SavedRows,
+) -> Result<ViewerTable<G>, DisplayError> {
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
     setup.knows_azimuth("a BSDF of the display")?;
     let mut workers = None;
@@ -52,43 +66,33 @@ pub fn brdf_at_viewers<G: ViewerGrid>(
     let lights = grid.theta_i_deg().to_vec();
     let sampled =
         BrdfGrid { theta_i_deg: lights.clone(), theta_o_deg: lights, dphi_deg: SAMPLED_DPHI_DEG.to_vec() };
-    let survey = Survey::new(&setup, control, &sampled, finest(&setup)?);
+    let survey = Survey::new((&setup, control, saved), &sampled, finest(&setup)?);
     let viewers = (0..grid.theta_i_deg().len()).map(|light| grid.viewers(light).0).collect();
-    let of_viewers = OfViewers { survey, viewers };
-    of_viewers.run(grid, pool).ok_or(DisplayError::Interrupted)?.finite()
+    let tables = ByLight { survey, viewers };
+    tables.run(grid, pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
-struct OfViewers<'a> {
+struct ByLight<'a> {
     survey: Survey<'a>,
     /// Viewers of each direction of the light.
     viewers: Vec<Vec<Viewer>>,
 }
 
-/// What one direction of the light scatters.
-#[derive(Debug, Clone, Default)]
-struct OfLight {
-    /// BRDF, [viewer][state][wavelength].
-    spectra: Vec<f32>,
-    /// Y, [viewer][state].
-    luminous: Luminous,
-    nodes: u64,
-}
-
-impl OfViewers<'_> {
+impl ByLight<'_> {
     /// `None` if it was stopped.
     fn run<G: ViewerGrid>(&self, grid: G, pool: Option<&ThreadPool>) -> Option<ViewerTable<G>> {
         let setup = self.survey.setup;
         let target = target(&setup.scene);
         let mut kernel = Kernel::new(0);
         let sample = self.survey.sample(target, &mut kernel)?;
-        let mut lights = self.scattered(&kernel, 0, pool)?;
+        let mut lights = self.scattered(&kernel, (sample.level, 0), pool)?;
         let states = setup.states.len();
         let mut relative = vec![sample.error; states * self.viewers.iter().map(Vec::len).sum::<usize>()];
         if setup.stack.panel().is_none() {
             let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
             let times = error_over_difference(&setup.stack, &self.survey.beams).max(rest);
             let mut level = sample.level;
-            let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), 1, pool)?;
+            let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), (level - 1, 1), pool)?;
             for pass in 2.. {
                 relative = self.errors(&lights, &coarser, times);
                 let misses = |error: &f64| error.is_finite() && *error > target;
@@ -98,7 +102,7 @@ impl OfViewers<'_> {
                 level += 1;
                 kernel = Kernel::new(level as u32);
                 coarser = lights;
-                lights = self.scattered(&kernel, pass, pool)?;
+                lights = self.scattered(&kernel, (level, pass), pool)?;
             }
         }
         let returned = self.survey.returned(&kernel)?;
@@ -126,7 +130,7 @@ impl OfViewers<'_> {
     }
 
     /// Returns the relative errors of Y, `[state][theta_i][viewer]`.
-    fn errors(&self, finer: &[OfLight], coarser: &[OfLight], times: f64) -> Vec<f64> {
+    fn errors(&self, finer: &[OfViewers], coarser: &[OfViewers], times: f64) -> Vec<f64> {
         let states = self.survey.setup.states.len();
         let most = largest_of_states(finer.iter().map(|light| light.luminous.as_slice()), states);
         let by_light: Vec<Vec<f64>> = finer
@@ -138,8 +142,13 @@ impl OfViewers<'_> {
         (0..states).flat_map(of_state).collect()
     }
 
-    /// Computes what each direction of the light scatters.
-    fn scattered(&self, kernel: &Kernel, pass: u32, pool: Option<&ThreadPool>) -> Option<Vec<OfLight>> {
+    /// Computes what each direction of the light scatters: BRDF, [viewer][state][wavelength]; Y, [viewer][state].
+    fn scattered(
+        &self,
+        kernel: &Kernel,
+        (level, pass): (usize, u32),
+        pool: Option<&ThreadPool>,
+    ) -> Option<Vec<OfViewers>> {
         let survey = &self.survey;
         let stack = &survey.setup.stack;
         let stop = survey.control.stop;
@@ -154,39 +163,52 @@ impl OfViewers<'_> {
             Some(_) => (TOGETHER, TOGETHER),
             None => (usize::MAX, TOGETHER_BELOW_LAYERS),
         };
-        let mut parts: Vec<(usize, &[Viewer], OfLight)> = self
+        let mut parts: Vec<(usize, &[Viewer], OfViewers)> = self
             .viewers
             .iter()
             .enumerate()
             .flat_map(|(light, viewers)| viewers.chunks(at_once).map(move |some| (light, some)))
-            .map(|(light, some)| (light, some, OfLight::default()))
+            .map(|(light, some)| (light, some, OfViewers::default()))
             .collect();
         let count = parts.len();
         let done = AtomicUsize::new(0);
-        let part = |(_, (light, viewers, found)): (usize, &mut (usize, &[Viewer], OfLight))| {
+        let (states, bins) = (survey.setup.states.len(), survey.setup.scene.grid.len());
+        let part = |(number, (light, viewers, found)): (usize, &mut (usize, &[Viewer], OfViewers))| {
             if survey.control.stopped() {
                 return None;
+            }
+            let report = || {
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                let parts = Progress { unit: "parts", ..Progress::of_views(done, count) };
+                (survey.control.progress)(parts.within(survey.pass(pass)));
+                Some(())
+            };
+            let number = row_number(Kind::Row, level, number);
+            let known = survey.saved.find(number);
+            if let Some(known) =
+                known.and_then(|known| OfViewers::from_numbers(&known, viewers.len() * states, bins))
+            {
+                *found = known;
+                return report();
             }
             let beam = &survey.beams[*light..=*light];
             let mut own = kernel.unprepared().without_ledger();
             for some in viewers.chunks(together) {
                 let fields: Vec<Cone> = some.iter().map(cone).collect();
                 own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
-                for number in 0..fields.len() {
-                    for rho in &own.estimate_unless(stack, number, stop)?.rho {
+                for viewer in 0..fields.len() {
+                    for rho in &own.estimate_unless(stack, viewer, stop)?.rho {
                         found.spectra.extend(rho.total().iter().map(|r| (r / PI) as f32));
                         survey.add_luminous(rho, &mut found.luminous);
                     }
                 }
                 found.nodes += own.nodes() as u64;
             }
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            let parts = Progress { unit: "parts", ..Progress::of_views(done, count) };
-            (survey.control.progress)(parts.within(survey.pass(pass)));
-            Some(())
+            survey.saved.save(number, &found.numbers());
+            report()
         };
         each(pool, &mut parts, part).into_iter().collect::<Option<Vec<()>>>()?;
-        let mut lights = vec![OfLight::default(); self.viewers.len()];
+        let mut lights = vec![OfViewers::default(); self.viewers.len()];
         for (light, _, found) in parts {
             lights[light].spectra.extend(found.spectra);
             lights[light].luminous.extend(found.luminous);

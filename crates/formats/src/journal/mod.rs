@@ -24,7 +24,7 @@ pub use folder::{
     read_verified_lines,
 };
 pub use held::LockedJournal;
-pub use rows::{JournalRows, RowsHead};
+pub use rows::{JournalRows, RowsHead, TableHead};
 
 use seal::Checksum;
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::folder::{foreign_journal_error, journal_name, open_journal, read_journals};
 use super::{Journal, JournalNumber, JournalRow, LockedJournal};
@@ -36,6 +36,23 @@ impl RowsHead for ToleranceHead {
 }
 
 impl RowsHead for GonioHead {
+    fn is_of(&self, other: &Self) -> bool {
+        self == other
+    }
+}
+
+/// First line of the journal of a table over directions: identifies the table to which the rows belong.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TableHead {
+    /// Version of the program.
+    pub papilio: String,
+    /// SHA-256 of the scenario and its files.
+    pub hash: String,
+    /// The options that determine the directions.
+    pub directions: String,
+}
+
+impl RowsHead for TableHead {
     fn is_of(&self, other: &Self) -> bool {
         self == other
     }
@@ -95,6 +112,11 @@ impl<H: RowsHead> JournalRows<H> {
     /// Returns the path to which a journal of a different computation was moved, if there was one.
     pub fn set_aside(&self) -> Option<&Path> {
         self.journal.set_aside()
+    }
+
+    /// Returns the number of known rows, and of their numbers.
+    pub fn count(&self) -> (usize, usize) {
+        (self.known.len(), self.known.values().map(Vec::len).sum())
     }
 
     /// Returns the numbers of a row, if they are known.
