@@ -140,7 +140,16 @@ impl FilmFastPath {
         if let Some(own) = self.own_film(condition, values.len()).filter(|own| names(own) == names(&film)) {
             scene.display.pixel = Pixel::Film(own);
         }
-        let base = Arc::new(BasePixel { choices, scene: Arc::new(scene), film, numbers });
+        let mut base = BasePixel { choices, scene: Arc::new(scene), film, numbers };
+        if base.numbers.is_some() {
+            // The complete evaluation says what is wrong with a design that cannot be resolved.
+            let Ok(resolved) = resolved_film(study, condition, design) else { return Ok(None) };
+            // A number of a material's table may be another one in the film: with a factor, or an absorption edge.
+            if base.film(design) != resolved {
+                base.numbers = None;
+            }
+        }
+        let base = Arc::new(base);
         if self.pixels.len() == MOST_PIXELS {
             self.pixels.remove(0);
         }

@@ -164,6 +164,34 @@ fn numbers_of_materials_match_full_run() {
     assert!(matches!(evaluator.evaluate(&[-1.0, 1.0, 275.0]), Err(DesignError::Scenario(_))));
 }
 
+/// A number of a material's table is not always the index of the film: a factor scales it, and `k` of a model has an edge.
+#[test]
+fn numbers_beside_factors_and_edges_match_full_run() {
+    for (material, number) in [
+        ("{ n = 1.9, k = 0.05, k_scale = 2 }", "k"),
+        ("{ n = 1.9, k = 0.05, n_scale = 1.2 }", "n"),
+        ("{ model = \"cauchy\", a = 1.9, b_um2 = 0.01, k = 0.05, k_at_nm = 500, urbach_ev = 0.3 }", "k"),
+    ] {
+        let set = [format!("display.pixel.film.0.material={material}")];
+        let keys = [format!("display.pixel.film.0.material.{number}")];
+        let mut study = study(&[&keys[0]], &["white.Y", "red.L_star"]);
+        study.conditions[0].varied =
+            ParameterisedScenario::from_text(DISPLAY, "test.toml", Path::new(""), &set, &keys).unwrap();
+        let mut evaluator = Evaluator::new(Arc::new(study.clone()), &STOP);
+        for value in if number == "n" { [1.7, 1.9] } else { [0.2, 0.05] } {
+            let fast = evaluator.evaluate(&[value]).unwrap();
+            let result = evaluator.run(&[value], 0).unwrap();
+            for (named, fast) in study.quantities.iter().zip(fast) {
+                let (fast, full) = (fast.unwrap(), named.quantity.of(&result).unwrap());
+                assert!(
+                    (fast - full).abs() < 2e-3 * full.abs(),
+                    "{material}, {number} {value}: {fast}, {full}"
+                );
+            }
+        }
+    }
+}
+
 /// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have
 /// derivatives.
 #[test]
