@@ -127,7 +127,7 @@ impl DispersionModel {
         let index = match self {
             Self::Cauchy { coefficients: [a, b, c], absorption } => {
                 let n = a + (b + c / um2) / um2;
-                if !(n > 0.0) {
+                if n <= 0.0 || !n.is_finite() {
                     return Err(undefined("Cauchy's formula: n", n));
                 }
                 Complex64::new(n, absorption.k(nm))
