@@ -233,6 +233,19 @@ async function stepsTo(base: string | null, sent: readonly Change[]): Promise<re
   }
 }
 
+/** Shows the design without a refused change, which a reload has kept: the refusal is at its field, as before the reload. */
+async function showWithout(files: Ids, signal: AbortSignal): Promise<void> {
+  const work = { scenario: text.value, files: fileIds.value };
+  const live = await api.live(work, [], "first", viewIndex.value, signal).catch(() => null);
+  if (live === null || answer.value !== null) return;
+  batch(() => {
+    text.value = live.scenario;
+    resultOf.value = revisionOf(live.scenario, files);
+    resultCount.value += 1;
+    answer.value = live;
+  });
+}
+
 async function once(step: Step): Promise<void> {
   const sent = pending.value;
   const base = draft.value;
@@ -257,7 +270,10 @@ async function once(step: Step): Promise<void> {
     gone.value = refusal.status === 0;
     if (refusal.status === BUSY) dirty = await pause();
     else if ((await sendAgain(refusal)) || (!gone.value && dropRefused(sent))) dirty = true;
-    else problems.value = refusal.problems;
+    else {
+      problems.value = refusal.problems;
+      if (answer.value === null && base === null && sent.length > 0) await showWithout(files, abort.signal);
+    }
     // What got no answer is not refused.
     refused = dirty || gone.value ? [] : sent;
   } finally {

@@ -400,3 +400,16 @@ test("drawing states that it is not to scale, and shows gaps in nm, the inactive
   await changed(page, GAMUT, gamut);
   assert.ok((await width()) > 1.2 * before, "a wider lobe is drawn wider");
 });
+
+test("refused change survives a reload beside the design without it", async () => {
+  const page = await on.visit();
+  await type(page, HAZE, "0.95");
+  await page.getByRole("button", { name: /Set total transmittance.* to 0\.8573/ }).waitFor();
+  await page.reload();
+  await page.locator(".bench").waitFor();
+  const first = await figure(page, GAMUT);
+  await page.getByRole("button", { name: /Set total transmittance.* to 0\.8573/ }).click();
+  await changed(page, GAMUT, first);
+  assert.match(await saved(page), /haze = 0\.95[\s\S]*total_transmittance = 0\.8573/);
+  onlyRefusals();
+});
