@@ -17,7 +17,9 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
     };
     let text = text.ok_or_else(|| {
         let known = preset_names().collect::<Vec<_>>().join(", ");
-        Failure::Input(format!("unknown preset `{light}`\n  = help: the presets are {known}"))
+        let is_file = arguments.light.is_none() && Path::new(&light).extension().is_some();
+        let first = if is_file { "a file comes after the preset of its light; " } else { "" };
+        Failure::Input(format!("unknown preset `{light}`\n  = help: {first}the presets are {known}"))
     })?;
     let example = arguments.display.unwrap_or(ExampleDisplay::IMOD);
     let Some(file) = file else {

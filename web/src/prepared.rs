@@ -18,12 +18,16 @@ const MAX_DISPLAYS: usize = 6;
 /// one view and with all.
 const MAX_LARGE: usize = 4;
 
-/// If the whole process uses more memory than this, in bytes, only the display that was used last is stored.
-/// A new server takes about 50 MB; a display with general layers may take 256 MB at each of two levels.
-const MAX_MEMORY: usize = 384 << 20;
+/// If the whole process uses more memory than this, in bytes, only the display that was used last is stored, and none while another
+/// one is prepared. A new server takes about 50 MB; to prepare a display with general layers takes up to 350 MB.
+const MAX_MEMORY: usize = 288 << 20;
 
-/// While nobody uses the server, prepared displays are released if the process uses more memory than this, in bytes.
-const REST_MEMORY: usize = 256 << 20;
+/// While nobody uses the server, prepared displays but the last one and resolved values are released if the process uses more memory
+/// than this, in bytes.
+const REST_MEMORY: usize = 192 << 20;
+
+/// The last one, too, above this.
+const MAX_REST_MEMORY: usize = 320 << 20;
 
 /// Time without a computation after which that is checked, and time between two checks.
 const REST: Duration = Duration::from_secs(20);
@@ -87,7 +91,12 @@ impl PreparedDisplays {
         self.used();
         let mut prepared = match self.take(scene) {
             Some(entry) => entry.prepared,
-            None => Prepared::new(scene, control)?,
+            None => {
+                if memory_in_use() > MAX_MEMORY {
+                    self.entries().clear();
+                }
+                Prepared::new(scene, control)?
+            }
         };
         let result = compute(&mut prepared);
         // An interrupted computation leaves the prepared display usable.
@@ -106,18 +115,20 @@ impl PreparedDisplays {
     }
 
     /// Releases all displays but the one that was used last, if nobody has used any for a while and the process uses much memory; and
-    /// this one, too, if that is not enough.
-    fn rest(&self) {
+    /// this one, too, if that is not enough. Returns true if memory is to be released.
+    fn rest(&self) -> bool {
         let last = *self.last_use.lock().unwrap_or_else(PoisonError::into_inner);
         let memory = memory_in_use();
-        if last.is_some_and(|last| last.elapsed() > REST) && memory > REST_MEMORY {
+        let is_due = last.is_some_and(|last| last.elapsed() > REST) && memory > REST_MEMORY;
+        if is_due {
             let mut entries = self.entries();
             let surplus = entries.len().saturating_sub(1);
-            if surplus == 0 && memory > MAX_MEMORY {
+            if surplus == 0 && memory > MAX_REST_MEMORY {
                 entries.clear();
             }
             entries.drain(..surplus);
         }
+        is_due
     }
 
     /// Takes out the display that has most in common with a scene, if it has anything in common; of several
@@ -133,14 +144,26 @@ impl PreparedDisplays {
     }
 }
 
-/// Releases displays while nobody uses the server, without end.
+/// Releases displays and resolved values while nobody uses the server, without end.
 pub(crate) async fn release_at_rest(site: Site) {
     loop {
         tokio::time::sleep(BETWEEN_CHECKS).await;
         let site = site.clone();
         // To free a large display takes time.
-        let _ = tokio::task::spawn_blocking(move || site.prepared().rest()).await;
+        let _ = tokio::task::spawn_blocking(move || {
+            if site.prepared().rest() {
+                site.memo().clear();
+                wake_allocator();
+            }
+        })
+        .await;
     }
+}
+
+/// Allocates and releases a large block. The allocator returns memory that was freed to the system only when a large block is
+/// released at least a second later, which at rest would not happen.
+fn wake_allocator() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(8 << 20)));
 }
 
 /// Resident memory of this process in bytes; 0 if the system does not report it.

@@ -6,6 +6,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crate::page;
+use crate::programs;
 use crate::python::Environment;
 use crate::shell::{self, Apart, Outcome};
 
@@ -101,10 +102,10 @@ impl Count {
         self.reasons.push(why);
     }
 
-    /// Runs cargo's tests, and in parallel the others: the jobs of each list one after the other.
+    /// Runs the test programs, and in parallel the others: the jobs of each list one after the other.
     pub(crate) fn together<const LISTS: usize>(&mut self, tests: Command, others: [Vec<Job>; LISTS]) {
         let others = others.map(|list| thread::spawn(move || Job::run_all(list)));
-        self.step("  cargo", |count| count.tests(tests));
+        self.step("  cargo", |count| count.programs(tests));
         for list in others {
             match list.join() {
                 Ok(list) => list.into_iter().for_each(|done| self.counted(&done)),
@@ -113,14 +114,27 @@ impl Count {
         }
     }
 
+    /// Runs the test programs of `cargo test`, several at a time.
+    fn programs(&mut self, tests: Command) {
+        match programs::compiled(tests) {
+            Ok(all) => programs::run_all(all, &mut |run| self.shown(&run, Purpose::Tests)),
+            Err(why) => self.fail(1, why),
+        }
+    }
+
     /// Shows and counts a job that ran in parallel with others.
     pub(crate) fn counted(&mut self, done: &Done) {
         self.steps.push((done.name, done.took));
-        done.run.show();
-        let summaries = done.run.texts[0].lines().filter_map(counts);
+        self.shown(&done.run, done.purpose);
+    }
+
+    /// Shows and counts what a command wrote.
+    fn shown(&mut self, run: &Apart, purpose: Purpose) {
+        run.show();
+        let summaries = run.texts[0].lines().filter_map(counts);
         let (passed, failed) = summaries.fold((0, 0), |sum, (p, f)| (sum.0 + p, sum.1 + f));
-        match &done.run.outcome {
-            Ok(()) if done.purpose == Purpose::Check => self.passed += 1,
+        match &run.outcome {
+            Ok(()) if purpose == Purpose::Check => self.passed += 1,
             Ok(()) => self.passed += passed,
             Err(why) => {
                 self.passed += passed;

@@ -14,6 +14,7 @@ mod page;
 mod pairs;
 mod peers;
 mod pictures;
+mod programs;
 mod python;
 mod release;
 mod serve;
@@ -80,6 +81,11 @@ const WITH_ARGUMENTS: &[TaskWithArguments] = &[
         "serve",
         "build the page of the web app and the program, and start it: cargo xtask serve [FILE] [--open]",
         serve::serve,
+    ),
+    (
+        "measure-page",
+        "measure the page in a browser into target/page: cargo xtask measure-page soak [MINUTES] (memory of the server) | latency | looks (screenshots of all tools)",
+        page::measure,
     ),
     (
         "site",

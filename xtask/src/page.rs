@@ -69,6 +69,30 @@ pub(crate) fn end_to_end(which: &str, browser: &Path) -> Command {
     tests
 }
 
+/// What `cargo xtask measure-page` can do: scripts of `web/page/package.json`.
+const MEASUREMENTS: [&str; 3] = ["soak", "latency", "looks"];
+
+/// Measures the page with the release program in a browser: soak of an hour, latency of all examples, or screenshots of all tools. The results
+/// are in `target/page`.
+pub(crate) fn measure(arguments: &[String]) -> Outcome {
+    let (what, more) = arguments.split_first().ok_or("name one of soak, latency, looks")?;
+    if !MEASUREMENTS.contains(&what.as_str()) {
+        return Err(format!("`{what}` is none of {}", MEASUREMENTS.join(", ")));
+    }
+    let browser = browser()?;
+    build()?;
+    shell::run(cargo(["build", "--release", "--package", "papilio"]))?;
+    let mut script = npm(["run", what, "--"]);
+    script.env("PAPILIO", shell::papilio()).env("CHROMIUM", browser);
+    if what == "soak" {
+        script.arg(more.first().map_or("60", String::as_str));
+        script.arg(shell::target().join("page"));
+    } else {
+        script.arg(shell::target().join("page")).args(more);
+    }
+    shell::run(script)
+}
+
 fn npm<const N: usize>(arguments: [&str; N]) -> Command {
     let mut npm = command(PROGRAM, arguments);
     npm.current_dir(folder());

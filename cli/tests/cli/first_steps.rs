@@ -51,6 +51,7 @@ fn new_scenario_of_a_display_states_what_is_missing_or_in_the_way() {
     for (arguments, says) in [
         (&["--display", "epaper"][..], "the preset of the light is missing"),
         (&["--light", "nowhere"], "unknown preset `nowhere`"),
+        (&["--display", "epaper", "a.toml"], "a file comes after the preset of its light"),
         (&["office", "a.toml", "--light", "office"], "the light is specified twice"),
         (&["--display", "lcd", "--light", "office"], "possible values: imod, epaper, table"),
     ] {

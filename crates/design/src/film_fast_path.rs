@@ -7,7 +7,7 @@ use std::sync::Arc;
 use papilio_display::scene::{FilmPixel, Pixel, Scene};
 use papilio_display::{Control, Designs, Parameter, Quantity};
 
-use crate::parameter::{has_unit_area, parameter, set};
+use crate::parameter::{has_unit_area, is_of_material, parameter, set};
 use crate::study::{Study, Values, Variable};
 use crate::{Condition, DesignError, Slopes};
 
@@ -36,8 +36,9 @@ struct BasePixel {
     /// that the level of adding and the angles of the film do not depend on which choices come first.
     scene: Arc<Scene>,
     film: FilmPixel,
-    /// All keys of the variables that are numbers.
-    numbers: Vec<NumericKey>,
+    /// All keys of the variables that are numbers; `None` if one of them is of a material by a model or with factors, whose
+    /// film the scenario computes.
+    numbers: Option<Vec<NumericKey>>,
 }
 
 /// A key of a numeric variable, and the parameter of the pixel that it sets.
@@ -66,7 +67,11 @@ impl FilmFastPath {
         control: &Control<'_>,
     ) -> Result<Option<Vec<Option<f64>>>, DesignError> {
         let Some(base) = self.base(study, condition, design)? else { return Ok(None) };
-        let Some(film) = base.film(design) else { return Ok(None) };
+        let film = match base.numbers {
+            Some(_) => base.film(design),
+            None => resolved_film(study, condition, design)?.filter(|film| names(film) == names(&base.film)),
+        };
+        let Some(film) = film else { return Ok(None) };
         Ok(Some(self.display(&base, control)?.evaluate(&film)?))
     }
 
@@ -82,8 +87,8 @@ impl FilmFastPath {
         control: &Control<'_>,
     ) -> Result<Option<Slopes>, DesignError> {
         let Some(base) = self.base(study, condition, design)? else { return Ok(None) };
-        let Some(film) = base.film(design) else { return Ok(None) };
-        let parameters: Vec<Parameter> = base.numbers.iter().map(|number| number.parameter).collect();
+        let Some((film, numbers)) = base.film(design).zip(base.numbers.as_ref()) else { return Ok(None) };
+        let parameters: Vec<Parameter> = numbers.iter().map(|number| number.parameter).collect();
         let (display, variables) = (self.display(&base, control)?, design.len());
         if parameters.is_empty() {
             let values = display.evaluate(&film)?;
@@ -92,7 +97,7 @@ impl FilmFastPath {
         let exact = display.derivatives(&film, &parameters)?;
         let mut slopes = vec![0.0; exact.values.len() * variables];
         for (quantity, row) in slopes.chunks_mut(variables).enumerate() {
-            for (index, key) in base.numbers.iter().enumerate() {
+            for (index, key) in numbers.iter().enumerate() {
                 row[key.variable] += key.slope * exact.gradients[quantity * parameters.len() + index];
             }
         }
@@ -128,7 +133,10 @@ impl FilmFastPath {
         numbers_of.for_each(|(value, _)| *value = serde_json::Value::Null);
         let mut scene = condition.varied.scenario(&values)?.resolve()?.scene;
         let Pixel::Film(film) = scene.display.pixel.clone() else { return Ok(None) };
-        let Some(numbers) = numbers(study, &film) else { return Ok(None) };
+        let numbers = numbers(study, &film);
+        if numbers.is_none() && !study.variables.iter().all(|one| is_of_film(one, &film)) {
+            return Ok(None);
+        }
         if let Some(own) = self.own_film(condition, values.len()).filter(|own| names(own) == names(&film)) {
             scene.display.pixel = Pixel::Film(own);
         }
@@ -185,11 +193,29 @@ fn numbers(study: &Study, film: &FilmPixel) -> Option<Vec<NumericKey>> {
     Some(numbers)
 }
 
+/// Returns true if all keys of a numeric variable are parameters of the film, or of its materials.
+fn is_of_film(variable: &Variable, film: &FilmPixel) -> bool {
+    !variable.is_number()
+        || variable.keys.iter().all(|key| parameter(&key.path, film).is_some() || is_of_material(&key.path))
+}
+
+/// The film of a design, as its scenario has it; `None` if it is no film.
+fn resolved_film(
+    study: &Study,
+    condition: &Condition,
+    design: &[f64],
+) -> Result<Option<FilmPixel>, DesignError> {
+    match condition.varied.scenario(&study.values(design)?)?.resolve()?.scene.display.pixel {
+        Pixel::Film(film) => Ok(Some(film)),
+        _ => Ok(None),
+    }
+}
+
 impl BasePixel {
-    /// Pixel of a design; `None` if a scenario would reject its values.
+    /// Pixel of a design by its parameters; `None` if a scenario would reject its values, or there are other numbers.
     fn film(&self, design: &[f64]) -> Option<FilmPixel> {
         let mut film = self.film.clone();
-        for NumericKey { variable, slope, offset, parameter } in &self.numbers {
+        for NumericKey { variable, slope, offset, parameter } in self.numbers.as_ref()? {
             if !set(&mut film, *parameter, slope * design[*variable] + offset) {
                 return None;
             }

@@ -34,6 +34,16 @@ pub(crate) fn parameter(path: &str, film: &FilmPixel) -> Option<Parameter> {
     }
 }
 
+/// Returns true if the path is a number of a material of the film.
+pub(crate) fn is_of_material(path: &str) -> bool {
+    let path = KeyPath::new(path);
+    let keys: Vec<&str> = path.keys().collect();
+    matches!(
+        keys[..],
+        ["display", "pixel", "film", _, "material", _, ..] | ["display", "pixel", "substrate", _, ..]
+    )
+}
+
 /// Sets a parameter of a pixel; returns false if the value is outside the range that a scenario accepts.
 pub(crate) fn set(film: &mut FilmPixel, parameter: Parameter, value: f64) -> bool {
     let length = (0.0..=1e6).contains(&value);

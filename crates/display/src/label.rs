@@ -128,9 +128,12 @@ const OTHERS: &[(&str, &str, &str)] = &[
 ];
 
 /// Endings of names, with the units that they state.
-const UNITS: [(&str, &str); 13] = [
+const UNITS: [(&str, &str); 16] = [
     ("_cd_m2", "cd/m²"),
     ("_per_mm", "1/mm"),
+    ("_ev", "eV"),
+    ("_um2", "µm²"),
+    ("_um4", "µm⁴"),
     ("_nm", "nm"),
     ("_um", "µm"),
     ("_mm", "mm"),

@@ -245,11 +245,11 @@ macro_rules! number {
 }
 pub(crate) use number;
 
-/// Declares a value with several forms: the first form that fits the type of the value is read.
+/// Declares a value with several forms: the first form that fits the type of the value, and a further condition on it, is read.
 macro_rules! forms {
     (
         $(#[doc = $doc:literal])*
-        $name:ident, $words:expr; { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat ),* $(,)? }
+        $name:ident, $words:expr; { $( $(#[doc = $form_doc:literal])* $variant:ident($ty:ty) if $pattern:pat $(if $fits:path)? ),* $(,)? }
     ) => {
         $(#[doc = $doc])*
         #[derive(Debug, Clone, serde::Serialize)]
@@ -265,7 +265,7 @@ macro_rules! forms {
                 use $crate::tree::Value;
                 let before = errors.count();
                 let read = match &node.value {
-                    $( $pattern => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
+                    $( $pattern $(if $fits(node))? => <$ty as $crate::read::Read>::read(node, errors).map(Self::$variant), )*
                     _ => node.wrong_type(Self::in_words(), errors),
                 };
                 if read.is_none() && matches!(node.value, Value::Text(_)) {

@@ -105,15 +105,24 @@ fn key_label(path: &str) -> Option<Label> {
 
 /// Returns the label of a key with what follows it: another key (`gap_nm` of a state, `n` of a material)
 /// replaces the quantity; the rest are names.
-fn with_names<'a>(label: Label, key: &str, rest: &[&'a str]) -> (Label, Vec<&'a str>) {
+fn with_names(label: Label, key: &str, rest: &[&str]) -> (Label, Vec<String>) {
     let mut label = label;
-    let mut names: Vec<&str> = Vec::new();
-    for &name in rest {
+    let mut names: Vec<String> = Vec::new();
+    let is_material = MATERIALS.contains(&key);
+    for (at, &name) in rest.iter().enumerate() {
+        if is_material && name == "terms" && at + 1 < rest.len() {
+            names.push(format!("term {}", rest[at + 1]));
+            continue;
+        }
+        if let Some(inner) = of_model(name).filter(|_| is_material) {
+            label = inner;
+            continue;
+        }
         let is_inner = matches!(name, "n" | "k" | "n_scale" | "k_scale") || !split_unit(name).1.is_empty();
         match of_any_table(name).filter(|_| is_inner) {
             Some(inner) => label = inner,
             None if name.parse::<usize>().is_ok() => {}
-            None => names.push(name),
+            None => names.push(name.to_owned()),
         }
     }
     // States are described by the drive of their sub-pixels: the fraction of each in its own colour.
@@ -121,6 +130,16 @@ fn with_names<'a>(label: Label, key: &str, rest: &[&'a str]) -> (Label, Vec<&'a 
         label = Label::new("Driven fraction", "");
     }
     (label, names)
+}
+
+/// Keys whose values are materials.
+const MATERIALS: [&str; 5] = ["material", "substrate", "index", "n_o", "n_e"];
+
+/// Returns the label of a key of a model of dispersion.
+fn of_model(key: &str) -> Option<Label> {
+    let models =
+        Table::all().iter().filter(|table| table.path == "material" || table.path == "material.terms");
+    models.filter(|_| key != "n" && key != "k").find_map(|table| table.label(key))
 }
 
 /// Returns what the last list or table on the way to a key is called, with its index, counted from 0 as in keys.
@@ -197,6 +216,10 @@ mod tests {
             ("display.pixel.film.0.material", "Material of film layer 0"),
             ("display.pixel.film.0.material.n", "Refractive index n of film layer 0"),
             ("display.pixel.film.0.material.n_scale", "Factor of n of film layer 0"),
+            ("display.pixel.film.2.material.a", "Cauchy coefficient a of film layer 2"),
+            ("display.pixel.film.2.material.b_um2", "Cauchy coefficient b of film layer 2 (µm²)"),
+            ("display.pixel.film.0.material.terms.1.gap_ev", "Gap energy of term 1 of film layer 0 (eV)"),
+            ("display.pixel.substrate.eps_inf", "High-energy permittivity of the substrate"),
             ("display.pixel.substrate", "Substrate"),
             ("display.pixel.substrate.k", "Extinction coefficient k of the substrate"),
             ("display.pixel.gap_nm.red", "Gap of red (nm)"),

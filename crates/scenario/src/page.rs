@@ -1,8 +1,9 @@
 //! The lists of keys in `docs/scenario.md`, generated from the grammar.
 
 use crate::describe::{
-    File, Spectrum, crystal, diffuser, display, environment, fit, image, layers, lighting, limits, matrix,
-    measure, metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep, tolerance, viewer,
+    File, Spectrum, crystal, diffuser, dispersion, display, environment, fit, image, layers, lighting,
+    limits, matrix, measure, metrics, microgeometry, optimize, pattern, pixel, solver, sparkle, sweep,
+    tolerance, viewer,
 };
 use crate::read::Table;
 use crate::schema::{Default, Row, toml};
@@ -37,7 +38,8 @@ const BRIEF: [(&str, &str); 16] = [
 ];
 
 /// Endings of keys that state a unit, and the unit of the value, which does not repeat it.
-const UNITS: [(&str, &str); 8] = [
+const UNITS: [(&str, &str); 9] = [
+    ("_ev", " (eV)"),
     ("_nm", " (nm)"),
     ("_um", " (um)"),
     ("_mm", " (mm)"),
@@ -71,6 +73,14 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.layers rough", layers::Rough::rows()),
         ("display.pixel film", pixel::FilmPixel::rows()),
         ("display.pixel film.film", pixel::FilmLayer::rows()),
+        ("material cauchy", dispersion::Cauchy::rows()),
+        ("material sellmeier", dispersion::Sellmeier::rows()),
+        ("material sellmeier.terms", dispersion::SellmeierTermSpec::rows()),
+        ("material oscillators", dispersion::Oscillators::rows()),
+        ("material.terms lorentz", dispersion::Lorentz::rows()),
+        ("material.terms drude", dispersion::Drude::rows()),
+        ("material.terms gauss", dispersion::Gauss::rows()),
+        ("material.terms tauc-lorentz", dispersion::TaucLorentz::rows()),
         ("display.pixel table", pixel::TablePixel::rows()),
         ("display.pixel uniform", pixel::UniformPixel::rows()),
         ("display.pixel measured", pixel::MeasuredPixel::rows()),

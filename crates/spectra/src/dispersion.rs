@@ -9,6 +9,7 @@
 mod faddeeva;
 mod formula;
 mod oscillators;
+mod parameters;
 
 use num_complex::Complex64;
 
@@ -18,6 +19,7 @@ use formula::Formula;
 use oscillators::{BrendelBormann, LorentzDrude};
 
 pub(crate) use oscillators::Oscillator;
+pub use parameters::{Absorption, DispersionModel, OscillatorTerm, SellmeierTerm};
 
 /// Complex refractive index n + ik of a medium, with its range of validity.
 ///
@@ -44,6 +46,7 @@ enum Model {
     BrendelBormann(BrendelBormann),
     Tabulated { n: Tabulated, k: Option<Tabulated> },
     Formula { n: Formula, k: Option<Tabulated> },
+    Parameters(DispersionModel),
 }
 
 impl Dispersion {
@@ -110,6 +113,11 @@ impl Dispersion {
         Ok(Self::of(Model::Formula { n, k }, range_nm))
     }
 
+    /// A model by its parameters, at any wavelength.
+    pub fn model(model: DispersionModel) -> Self {
+        Self::of(Model::Parameters(model), (0.0, f64::INFINITY))
+    }
+
     pub(crate) fn lorentz_drude(
         plasma_ev: f64,
         drude: (f64, f64),
@@ -130,7 +138,7 @@ impl Dispersion {
         Self::of(Model::BrendelBormann(model), range_nm)
     }
 
-    /// First and last wavelength of the range of validity, nm; (0, infinity) for a constant.
+    /// First and last wavelength of the range of validity, nm; (0, infinity) for a constant and for a model by parameters.
     pub fn range_nm(&self) -> (f64, f64) {
         self.range_nm
     }
@@ -147,6 +155,7 @@ impl Dispersion {
             Model::Constant(index) => *index,
             Model::LorentzDrude(model) => model.index(nm),
             Model::BrendelBormann(model) => model.index(nm),
+            Model::Parameters(model) => return model.index(nm),
             Model::Tabulated { n, k } => Complex64::new(n.at(in_data)?, at_or_zero(k.as_ref(), in_data)?),
             Model::Formula { n, k } => Complex64::new(n.index(nm)?, at_or_zero(k.as_ref(), in_data)?),
         };

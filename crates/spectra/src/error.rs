@@ -96,6 +96,16 @@ pub enum SpectraError {
         /// Requested wavelength.
         nm: f64,
     },
+    /// A model by parameters has a pole or gives no index.
+    #[error("{model} = {value} at {nm} nm, which gives no refractive index")]
+    ModelUndefined {
+        /// Name of the model, and of its quantity.
+        model: &'static str,
+        /// Requested wavelength.
+        nm: f64,
+        /// Value of the quantity.
+        value: f64,
+    },
     /// Empty range: first and last wavelength in the wrong order, or no overlap of the tables of n and k.
     #[error("no wavelength has both n and k: the shared range would be {first} to {last} nm")]
     NoRange {

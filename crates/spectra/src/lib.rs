@@ -36,7 +36,7 @@ mod state_spectra;
 mod table;
 
 pub use catalogue::MaterialInfo;
-pub use dispersion::Dispersion;
+pub use dispersion::{Absorption, Dispersion, DispersionModel, OscillatorTerm, SellmeierTerm};
 pub use error::SpectraError;
 pub use grid::Grid;
 pub use illuminant::{

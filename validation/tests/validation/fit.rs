@@ -7,7 +7,7 @@ use papilio_design::fit::Fitting;
 use papilio_formats::{DataFile, read_measurement};
 use papilio_scenario::Fit;
 
-const SCENARIO: &str = r#"
+const OVER_GAP: &str = r#"
 [spectrum]
 range_nm = [395, 705]
 step_nm = 5
@@ -36,18 +36,61 @@ key = "display.pixel.film.0.material.k"
 bounds = [0, 0.1]
 "#;
 
-/// A film over an air gap, whose three numbers are correlated by 0.99: values, standard errors, intervals,
-/// correlations and chi-square are those of another program with another optimiser.
+/// An amorphous semiconductor on glass.
+const AMORPHOUS: &str = r#"
+[spectrum]
+range_nm = [395, 705]
+step_nm = 5
+[display.glass]
+index = 1.0
+surface = "fresnel"
+[display.pixel]
+model = "film"
+substrate = 1.52
+area = { one = 1.0 }
+gap_nm = { one = 0.0 }
+default_states = false
+film = [{ material = "air", thickness_nm = "gap" }, { material = { model = "oscillators", eps_inf = 1.2, terms = [
+    { kind = "tauc-lorentz", amplitude_ev = 90, energy_ev = 3.6, damping_ev = 2.3, gap_ev = 1.7 },
+] }, thickness_nm = 160 }]
+[display.pixel.states]
+film = { one = { gap_nm = 0.0 } }
+[fit]
+starts = 4
+[[fit.variables]]
+key = "display.pixel.film.1.thickness_nm"
+bounds = [130, 170]
+[[fit.variables]]
+key = "display.pixel.film.1.material.terms.0.amplitude_ev"
+bounds = [60, 140]
+[[fit.variables]]
+key = "display.pixel.film.1.material.terms.0.gap_ev"
+bounds = [1.5, 2.1]
+"#;
+
+/// A film over an air gap, whose three numbers are correlated by 0.99.
 #[test]
 fn film_and_gap_are_those_of_scipy_over_tmm() {
+    fit_is_that_of_scipy(OVER_GAP, "fit");
+}
+
+/// Thickness, amplitude and gap of a Tauc-Lorentz film, whose index another program computes.
+#[test]
+fn tauc_lorentz_film_is_that_of_scipy_over_tmm_and_elli() {
+    fit_is_that_of_scipy(AMORPHOUS, "fit_tauc");
+}
+
+/// Values, standard errors, intervals, correlations and chi-square are those of another program with another optimiser.
+fn fit_is_that_of_scipy(scenario: &str, name: &str) {
     let films = Path::new(env!("CARGO_MANIFEST_DIR")).join("films");
-    let data = DataFile::open(&films.join("fit_data.csv"), "fit_data.csv").unwrap();
+    let data = format!("{name}_data.csv");
+    let data = DataFile::open(&films.join(&data), &data).unwrap();
     let measured = read_measurement(&data).unwrap().value;
-    let spec = Fit::from_text(SCENARIO, "film", Path::new(""), &[]).unwrap();
+    let spec = Fit::from_text(scenario, "film", Path::new(""), &[]).unwrap();
     let stop = AtomicBool::new(false);
     let fitting = Fitting::new(spec, &measured, &stop).unwrap();
     let found = fitting.run(2, &|_, _| {}).unwrap().unwrap();
-    let table = std::fs::read_to_string(films.join("fit.csv")).unwrap();
+    let table = std::fs::read_to_string(films.join(format!("{name}.csv"))).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let number = |row: usize, column: usize| rows[row][column].parse::<f64>().unwrap();
     for (k, one) in found.variables.iter().enumerate() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use papilio_display::gloss::gloss;
-use papilio_display::spatial::{self, MtfResult};
+use papilio_display::spatial::{self, MtfResult, SparkleResult, SparkleRow};
 use papilio_display::{Control, Progress};
 use papilio_formats::{
     write_crosstalk_csv, write_gloss, write_mtf_csv, write_patterns_csv, write_sparkle, write_spread_csv,
@@ -101,6 +101,8 @@ pub(super) async fn detail(site: Site, request: DetailOf) -> Result<Detailed, Fa
 pub(super) enum DetailEvent {
     /// What is done so far.
     Progress(DetailProgress),
+    /// A first answer with large errors: of sparkle, the first row.
+    First(Box<Detailed>),
     /// It is complete.
     Done(Box<Detailed>),
     /// It has failed; this event replaces `done`.
@@ -129,6 +131,15 @@ pub(super) async fn follow(site: Site, request: DetailOf) -> Result<Events, Faul
             events.send(&DetailEvent::Progress(DetailProgress { fraction: progress.fraction() }));
         };
         let control = Control { threads: None, progress: &report, stop: events.stop() };
+        if let (Detail::Sparkle, Some(face)) = (request.command, &resolved.sparkle) {
+            let quiet = Control { progress: &|_| {}, ..control };
+            // What is refused is refused again below.
+            if let Ok(first) = spatial::first_sparkle(&resolved.scene, face, &quiet)
+                && let Ok(first) = of_sparkle(&resolved, &first)
+            {
+                events.send(&DetailEvent::First(Box::new(first)));
+            }
+        }
         match detailed(&resolved, request.command, &control) {
             Ok(done) => DetailEvent::Done(Box::new(done)),
             Err(fault) => DetailEvent::Failed(fault.body),
@@ -163,12 +174,7 @@ fn detailed(resolved: &Resolved, command: Detail, control: &Control<'_>) -> Resu
         }
         Detail::Sparkle => {
             let face = resolved.sparkle.as_ref().ok_or_else(no_face)?;
-            let found = spatial::sparkle(scene, face, control).map_err(fault)?;
-            let tables = vec![Table { name: "sparkle", csv: text(|out| write_sparkle(out, &found))? }];
-            let numbers = found.rows.first().map_or_else(Vec::new, |row| {
-                numbers(None, row.metrics().named(), row.errors().named()).collect()
-            });
-            (numbers, tables, papilio_figures::of_sparkle(&found, title), Vec::new())
+            return of_sparkle(resolved, &spatial::sparkle(scene, face, control).map_err(fault)?);
         }
         Detail::Gloss => {
             let found = gloss(scene, control).map_err(fault)?;
@@ -181,8 +187,23 @@ fn detailed(resolved: &Resolved, command: Detail, control: &Control<'_>) -> Resu
         }
     };
     warnings.splice(0..0, resolved.warnings.iter().cloned());
-    let figures = figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect();
-    Ok(Detailed { numbers, tables, figures, warnings })
+    Ok(Detailed { numbers, tables, figures: drawn(figures), warnings })
+}
+
+fn of_sparkle(resolved: &Resolved, found: &SparkleResult) -> Result<Detailed, Fault> {
+    let title = resolved.title.as_deref().unwrap_or_default();
+    let of_row =
+        |row: &SparkleRow| numbers(None, row.metrics().named(), row.errors().named()).collect::<Vec<_>>();
+    Ok(Detailed {
+        numbers: found.rows.first().map_or_else(Vec::new, of_row),
+        tables: vec![Table { name: "sparkle", csv: text(|out| write_sparkle(out, found))? }],
+        figures: drawn(papilio_figures::of_sparkle(found, title)),
+        warnings: resolved.warnings.clone(),
+    })
+}
+
+fn drawn(figures: Vec<(String, String)>) -> Vec<Figure> {
+    figures.into_iter().map(|(name, svg)| Figure { name, svg }).collect()
 }
 
 /// Numbers of the whole display, then those of each state.

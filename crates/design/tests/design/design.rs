@@ -133,6 +133,37 @@ fn film_fast_path_matches_full_run() {
     }
 }
 
+/// Numbers of materials, by a model or as factors, are evaluated by the fast method too, and not by full runs: it has the
+/// accuracy of above.
+#[test]
+fn numbers_of_materials_match_full_run() {
+    let model = "{ model = \"oscillators\", eps_inf = 1.1, terms = [{ kind = \"tauc-lorentz\", amplitude_ev = 60, \
+                 energy_ev = 7, damping_ev = 5, gap_ev = 2.4 }] }";
+    let set = [
+        format!("display.pixel.film.0.material={model}"),
+        "display.pixel.film.1.material={ material = \"Cr\", k_scale = 1 }".to_owned(),
+    ];
+    let keys = ["film.0.material.terms.0.gap_ev", "film.1.material.k_scale", "gap_nm.red"];
+    let keys = keys.map(|key| format!("display.pixel.{key}"));
+    let mut study = study(&keys.each_ref().map(String::as_str), &["white.Y", "red.L_star"]);
+    study.conditions[0].varied =
+        ParameterisedScenario::from_text(DISPLAY, "test.toml", Path::new(""), &set, &keys).unwrap();
+    let mut evaluator = Evaluator::new(Arc::new(study.clone()), &STOP);
+    let mut found = Vec::new();
+    for design in [[2.4, 1.0, 275.0], [1.6, 1.2, 250.0]] {
+        let fast = evaluator.evaluate(&design).unwrap();
+        let result = evaluator.run(&design, 0).unwrap();
+        for (named, fast) in study.quantities.iter().zip(&fast) {
+            let (fast, full) = (fast.unwrap(), named.quantity.of(&result).unwrap());
+            assert!((fast - full).abs() < 2e-3 * full.abs(), "{} at {design:?}: {fast}, {full}", named.name);
+        }
+        found.push(fast);
+    }
+    assert!((found[0][0].unwrap() - found[1][0].unwrap()).abs() > 0.01, "{found:?}");
+    assert!(evaluator.derivatives(&[2.4, 1.0, 275.0]).unwrap().slopes.iter().all(|slope| *slope != 0.0));
+    assert!(matches!(evaluator.evaluate(&[-1.0, 1.0, 275.0]), Err(DesignError::Scenario(_))));
+}
+
 /// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have
 /// derivatives.
 #[test]

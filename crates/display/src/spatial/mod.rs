@@ -73,4 +73,4 @@ pub use result::{
     Curves, Kernel, LineContrast, MtfResult, MtfState, MtfView, Sharpness, SharpnessMetrics, SpatialScalars,
     SpreadTable,
 };
-pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, sparkle};
+pub use sparkle::{Antiglare, SparkleMap, SparkleResult, SparkleRow, first_sparkle, sparkle};

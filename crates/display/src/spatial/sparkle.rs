@@ -48,6 +48,10 @@ const LUMINANCE_TARGET: f64 = 0.01;
 /// Least number of pixels over all replicates: the relative standard error of a PPD is about 2 %.
 const PIXELS: usize = 1024;
 
+/// The same for a first answer, and its largest number of replicates: the relative standard error of a PPD is about 10 %.
+const FIRST_PIXELS: usize = 48;
+const FIRST_REPLICATES: usize = 4;
+
 /// An antiglare face, and how its sparkle is estimated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Antiglare {
@@ -171,6 +175,34 @@ pub fn sparkle(
     face: &Antiglare,
     control: &Control<'_>,
 ) -> Result<SparkleResult, DisplayError> {
+    estimate(scene, face, PIXELS, control)
+}
+
+/// Computes a first answer: the first view, gap and face, with few pixels. Its standard errors are large.
+///
+/// # Errors
+/// As [`sparkle`].
+pub fn first_sparkle(
+    scene: &Scene,
+    face: &Antiglare,
+    control: &Control<'_>,
+) -> Result<SparkleResult, DisplayError> {
+    let (mut scene, mut face) = (scene.clone(), face.clone());
+    scene.viewer.theta_deg.truncate(1);
+    scene.viewer.phi_deg.truncate(1);
+    face.faces.truncate(1);
+    face.gap_mm.truncate(1);
+    face.replicates = face.replicates.min(FIRST_REPLICATES);
+    face.has_target = false;
+    estimate(&scene, &face, FIRST_PIXELS, control)
+}
+
+fn estimate(
+    scene: &Scene,
+    face: &Antiglare,
+    pixels: usize,
+    control: &Control<'_>,
+) -> Result<SparkleResult, DisplayError> {
     let matrix = scene.display.matrix.as_ref().ok_or(DisplayError::NoMatrix { command: "sparkle" })?;
     scene.display.has_sharp_pixels()?;
     let setup = Setup::new(scene, control)?;
@@ -213,7 +245,7 @@ pub fn sparkle(
                 };
                 let effort = Effort {
                     replicates: face.replicates,
-                    pixels: PIXELS,
+                    pixels,
                     seed: scene.solver.seed,
                     ..Effort::default()
                 };

@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use super::diffuser::Diffuser;
+use super::dispersion::{DispersionSpec, has_model};
 use super::layers::Layer;
 use super::matrix::Matrix;
 use super::numbers::{AirGap, Extinction, Index, IndexFactor, Share, Thickness};
@@ -103,13 +104,15 @@ forms! {
 }
 
 forms! {
-    /// A refractive index: a number, `{ n, k }`, the name of a material, or a file (n-k CSV in nm, or
-    /// refractiveindex.info YAML or CSV).
+    /// A refractive index: a number, `{ n, k }`, the name of a material, a file (n-k CSV in nm, or
+    /// refractiveindex.info YAML or CSV), or a model by its parameters.
     MaterialSpec, "a refractive index, { n, k }, a material or a file"; {
         /// A real index.
         Number(Index) if Value::Integer(_) | Value::Float(_),
         /// The name of a material, or else a file, relative to the folder of the scenario.
         Text(String) if Value::Text(_),
+        /// A model of dispersion.
+        Model(DispersionSpec) if Value::Table(_) if has_model,
         /// A complex index.
         Complex(NK) if Value::Table(_),
     }

@@ -5,6 +5,7 @@
 pub(crate) mod codes;
 pub(crate) mod crystal;
 pub(crate) mod diffuser;
+pub(crate) mod dispersion;
 pub(crate) mod display;
 pub(crate) mod environment;
 pub(crate) mod fit;

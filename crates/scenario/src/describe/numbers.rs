@@ -156,6 +156,30 @@ number!(
     IndexFactor, Range::from_to(0.0, 10.0)
 );
 number!(
+    /// A coefficient of Cauchy's formula.
+    Coefficient, Range::from_to(-1000.0, 1000.0)
+);
+number!(
+    /// A permittivity far above all resonances.
+    HighPermittivity, Range::from_to(0.0, 1000.0)
+);
+number!(
+    /// A strength of an oscillator: negative ones would amplify light.
+    OscillatorStrength, Range::from_to(0.0, 1e6)
+);
+number!(
+    /// A photon energy, eV.
+    PhotonEnergy, Range::from_to(0.0, 1000.0).unit("eV")
+);
+number!(
+    /// A photon energy above 0, eV.
+    PositiveEnergy, Range::above_0_to(1000.0).unit("eV")
+);
+number!(
+    /// A damping, eV.
+    Damping, Range::from_to(0.0, 1000.0).unit("eV")
+);
+number!(
     /// The tail of a distribution of slopes.
     Tail, Range::from_to(2.0, 100.0)
         .unit("larger: shorter tails")

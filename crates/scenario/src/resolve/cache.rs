@@ -53,7 +53,13 @@ impl Resolver<'_> {
                 notes: self.notes[notes..].to_vec(),
                 maps: self.maps[maps..].to_vec(),
             };
-            memo.insert(Entry { key, value: Arc::new(made), inputs: read.clone().into_iter().collect() });
+            let is_map = !made.maps.is_empty();
+            memo.insert(Entry {
+                key,
+                value: Arc::new(made),
+                inputs: read.clone().into_iter().collect(),
+                is_map,
+            });
         }
         self.inputs.extend(read);
         value

@@ -15,6 +15,8 @@ use crate::mistake;
 use crate::origin::Origin;
 use crate::read::Spanned;
 
+/// Most terms of a model of dispersion.
+const MOST_TERMS: usize = 64;
 /// Largest n and k of a film.
 const LARGEST_INDEX: f64 = 1e3;
 /// Smallest |n + ik|. Both limits are far beyond any material, and keep films computable.
@@ -183,6 +185,10 @@ impl Resolver<'_> {
                     return None;
                 }
             },
+            MaterialSpec::Model(model) => {
+                self.limit(spec, "terms", model.term_count(), MOST_TERMS)?;
+                ("the index", Ok(Dispersion::model(model.model())))
+            }
             MaterialSpec::Text(name) => (name.as_str(), material(name)),
         };
         let dispersion = match dispersion {

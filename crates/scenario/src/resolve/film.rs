@@ -211,6 +211,7 @@ fn name(material: &MaterialSpec) -> String {
     match material {
         MaterialSpec::Text(name) => name.clone(),
         MaterialSpec::Number(n) => format!("n = {}", tidy(n.0)),
+        MaterialSpec::Model(model) => model.name().to_owned(),
         MaterialSpec::Complex(table) => match table.index_of() {
             Ok(IndexOf::Material(name)) => name.to_owned(),
             Ok(IndexOf::Constant { n, k }) => format!("n = {} + {}i", tidy(n), tidy(k)),

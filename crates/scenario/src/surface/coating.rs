@@ -98,6 +98,7 @@ impl SurfaceScenario {
                     return None;
                 }
             },
+            MaterialSpec::Model(model) => ("the index", Ok(Dispersion::model(model.model()))),
             MaterialSpec::Text(name) => (name.as_str(), material(name)),
         };
         let dispersion = match dispersion {
@@ -122,7 +123,7 @@ impl SurfaceScenario {
             Ok(index) => {
                 return Some(match &spec.value {
                     MaterialSpec::Complex(table) => table.scaled(index),
-                    MaterialSpec::Number(_) | MaterialSpec::Text(_) => index,
+                    MaterialSpec::Number(_) | MaterialSpec::Text(_) | MaterialSpec::Model(_) => index,
                 });
             }
             Err(SpectraError::OutsideTable { first, last, .. }) => {

@@ -263,6 +263,47 @@ const METRICS: &[Case] = &[
     ("[viewer]", "[metrics]\nobservr = \"1964\"\n[viewer]", (38, 1), &["observer"]),
 ];
 
+/// Models of dispersion.
+const DISPERSION: &[Case] = &[
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"cauchi\", a = 1.5 }",
+        (21, 23),
+        &["`cauchi`", "`cauchy`"],
+    ),
+    ("substrate = \"Al\"", "substrate = { model = \"cauchy\" }", (21, 13), &["`a` is missing"]),
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"cauchy\", a = 1.5, gap_ev = 2 }",
+        (21, 42),
+        &["no key `gap_ev`"],
+    ),
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"cauchy\", a = 1.5, b_um2 = -1 }",
+        (21, 13),
+        &["Cauchy's formula: n = -", "no refractive index"],
+    ),
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"sellmeier\", terms = [{ b = 1, resonance_nm = 450 }] }",
+        (21, 13),
+        &["Sellmeier's formula: n^2 = -"],
+    ),
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"oscillators\", terms = [{ kind = \"lorentz\", strength = -1, energy_ev = 3, damping_ev = 0.1 }] }",
+        (21, 78),
+        &["-1 is out of range", "from 0"],
+    ),
+    (
+        "substrate = \"Al\"",
+        "substrate = { model = \"oscillators\", terms = [{ kind = \"drude\", plasma_ev = 9, damping_ev = 0, gap_ev = 0.1 }] }",
+        (21, 105),
+        &["`gap_ev` cannot be combined with kind = \"drude\""],
+    ),
+];
+
 const NOT_IN_THIS_VERSION: &[Case] =
     &[("[viewer]", "[study]\n[viewer]", (37, 2), &["`study` is not in this version"])];
 
@@ -272,6 +313,7 @@ fn mistakes_are_reported_at_their_places() {
     for (from, to, place, says) in [
         KEYS_AND_TYPES,
         SPHERES,
+        DISPERSION,
         RANGES,
         NAMES_AND_CHOICES,
         ADVICE,

@@ -87,6 +87,34 @@ fn factors_multiply_n_and_k_of_a_material() {
     assert!(constant.iter().all(|index| (index.re, index.im) == (2.0, 3.0)));
 }
 
+/// Models of dispersion by their parameters, wherever a material is: those of named materials.
+#[test]
+fn models_of_dispersion_are_materials() {
+    let index = |value: &str| {
+        let set = set(&[&format!("display.pixel.film.0.material={value}")]);
+        film(&set.scene).layers[0].index.clone()
+    };
+    let close = |model: &str, named: &str| {
+        for (model, named) in index(model).iter().zip(index(named)) {
+            assert!((model - named).norm() < 1e-9, "{model} {named}");
+        }
+    };
+    let silica = "{ model = \"sellmeier\", terms = [{ b = 0.6961663, resonance_nm = 68.4043 }, \
+         { b = 0.4079426, resonance_nm = 116.2414 }, { b = 0.8974794, resonance_nm = 9896.161 }] }";
+    close(silica, "\"SiO2\"");
+    close("{ model = \"cauchy\", a = 1.64 }", "\"AlOx\"");
+    close("{ model = \"cauchy\", a = 2, k = 0.1 }", "{ n = 2, k = 0.1 }");
+    close("{ model = \"oscillators\", eps_inf = 4, terms = [] }", "2");
+    let set = set(&[
+        "display.pixel.substrate={ model = \"oscillators\", eps_inf = 1.15, terms = [{ kind = \"tauc-lorentz\", \
+         amplitude_ev = 122, energy_ev = 3.45, damping_ev = 2.54, gap_ev = 1.2 }] }",
+        "display.pixel.substrate.terms.0.gap_ev=1.3",
+    ]);
+    let film = film(&set.scene);
+    assert_eq!(film.materials.last().unwrap(), "model = \"oscillators\"");
+    assert!(film.substrate.iter().all(|index| index.re > 3.0 && index.im > 0.1));
+}
+
 #[test]
 fn set_accepts_numbers_without_leading_zero() {
     let straight = |value: &str| {

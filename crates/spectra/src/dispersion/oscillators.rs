@@ -43,10 +43,9 @@ pub(super) struct LorentzDrude {
 
 impl LorentzDrude {
     pub(super) fn index(&self, nm: f64) -> Complex64 {
-        let w = PHOTON_EV_NM / nm;
+        let w = photon_ev(nm);
         let wp2 = self.plasma_ev * self.plasma_ev;
-        let bound =
-            self.oscillators.iter().map(|&(f, g, wj)| f * wp2 / Complex64::new(wj * wj - w * w, -w * g));
+        let bound = self.oscillators.iter().map(|&(f, g, wj)| resonance(w, f * wp2, g, wj));
         (1.0 + drude(w, wp2, self.drude) + bound.sum::<Complex64>()).sqrt()
     }
 }
@@ -63,7 +62,7 @@ pub(super) struct BrendelBormann {
 
 impl BrendelBormann {
     pub(super) fn index(&self, nm: f64) -> Complex64 {
-        let w = PHOTON_EV_NM / nm;
+        let w = photon_ev(nm);
         let wp2 = self.plasma_ev * self.plasma_ev;
         let bound = self.oscillators.iter().map(|&((f, g, wj), s)| {
             let a = Complex64::new(w * w, w * g).sqrt();
@@ -74,7 +73,17 @@ impl BrendelBormann {
     }
 }
 
+/// Photon energy of a wavelength in vacuum, eV.
+pub(super) fn photon_ev(nm: f64) -> f64 {
+    PHOTON_EV_NM / nm
+}
+
+/// Susceptibility of a bound resonance: strength in eV^2, damping and resonance in eV.
+pub(super) fn resonance(w: f64, strength: f64, g: f64, wj: f64) -> Complex64 {
+    strength / Complex64::new(wj * wj - w * w, -w * g)
+}
+
 /// Susceptibility of the free electrons.
-fn drude(w: f64, wp2: f64, (f0, g0): (f64, f64)) -> Complex64 {
+pub(super) fn drude(w: f64, wp2: f64, (f0, g0): (f64, f64)) -> Complex64 {
     -f0 * wp2 / (w * Complex64::new(w, g0))
 }

@@ -11,6 +11,7 @@ export type Look = "component" | "diffuser" | "slab" | "medium" | "face" | "coat
 export function material(value: Json | undefined): string {
   if (typeof value === "number") return `n ${plain(value)}`;
   if (isTable(value) && typeof value["material"] === "string") return material(value["material"]);
+  if (isTable(value) && typeof value["model"] === "string") return `${value["model"]} model`;
   if (isTable(value))
     return `n ${plain(Number(value["n"] ?? 1))}${value["k"] ? ` k ${plain(Number(value["k"]))}` : ""}`;
   return typeof value === "string" ? (value.split("/").at(-1) ?? value) : "–";

@@ -16,6 +16,7 @@ import {
   exposed,
   factors,
   imageAge,
+  imageProblems,
   isGlaring,
   isTilting,
   middle,
@@ -200,7 +201,7 @@ export function Display() {
       <figcaption>
         <span>
           The display, seen from {direction}
-          {now && `: ${which(now)}`}
+          {now ? `: ${which(now)}` : imageProblems.value.length === 0 && ": computing the picture…"}
           {clippedPart.value >= LEAST_CLIPPED &&
             `. Clipped: ${clippedPart.value < 0.995 ? `${digits(100 * clippedPart.value, 2)} % of` : "all"} its pixels are brighter than the screen can show; their hue is kept`}
           {isMagnified.value && ". Magnifier: the panel's sub-pixels, without the blur of the layers above"}

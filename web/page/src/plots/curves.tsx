@@ -53,6 +53,7 @@ interface Props extends Plot {
 type Own = uPlot & { marked?: number; dots?: readonly number[] };
 
 const FONT = "12px Roboto, Helvetica, Arial, sans-serif";
+const SMALL_FONT = "9.5px Roboto, Helvetica, Arial, sans-serif";
 const ink = () => (dark.value ? "#b4b9c1" : "#555555");
 const faint = () => (dark.value ? "#2b2f36" : "#ececec");
 const accent = () => (dark.value ? "#7da4f2" : "#2b5fc7");
@@ -60,11 +61,17 @@ const accent = () => (dark.value ? "#7da4f2" : "#2b5fc7");
 /** Distance from a curve within which it is at the pointer, px. */
 const NEAR = 24;
 
+/** The least height of a plot, also in layout.css, px. */
+const LEAST = 84;
+
 /** Returns the size of the plot in its box. */
 const sizeIn = (box: HTMLElement, height: number | undefined) => ({
   width: box.clientWidth || 400,
-  height: height ?? Math.max(120, box.clientHeight),
+  height: height ?? Math.max(LEAST, box.clientHeight),
 });
+
+/** Height of a plot below which the label of its ordinate is written smaller, so that it is not cut, px. */
+const LOW = 180;
 
 function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.Axis {
   const shown = (split: number | null): string =>
@@ -111,7 +118,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     },
     axes: [
       { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords), size: 30, space: 44 },
-      { ...axis(props.yName, Boolean(props.log)), size: 56, space: 30 },
+      { ...axis(props.yName, Boolean(props.log)), size: 56, space: 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
     ],
     series: [
       {},

@@ -23,7 +23,7 @@ export function markOf(age: Age, thing = "design"): Mark | null {
     case "first":
       return {
         words: "first answer",
-        help: "A first answer with coarse discretisation; the exact one follows. The error is the largest of Y over states and views.",
+        help: "A coarse first answer with its error (of colours, the largest of Y over states and views); the exact one follows.",
         isFaded: false,
       };
     case "settings":

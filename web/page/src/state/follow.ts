@@ -23,6 +23,8 @@ export interface Followed<T> {
   readonly problems: readonly Problem[];
   /** The number of results so far. */
   readonly count: number;
+  /** Whether `value` is a first answer, with large errors. */
+  readonly isFirst: boolean;
   /** Fraction of the work in progress; null if none is, or if it does not tell. */
   readonly fraction: number | null;
   /** Whether the work for the current design was cancelled. */
@@ -38,10 +40,17 @@ interface How {
   readonly streams?: boolean;
 }
 
-/** Returns the last event of a computation. */
-async function streamed<T>(path: string, body: unknown, signal: AbortSignal, on: (fraction: number) => void): Promise<T> {
+/** Returns the last event of a computation; `first` is called with a first answer. */
+async function streamed<T>(
+  path: string,
+  body: unknown,
+  signal: AbortSignal,
+  on: (fraction: number) => void,
+  first: (value: T) => void,
+): Promise<T> {
   for await (const { event, data } of events(path, body, signal)) {
     if (event === "progress") on((data as { fraction: number }).fraction);
+    if (event === "first") first(data as T);
     if (event === "failed") throw new Refused(422, (data as { errors: Problem[] }).errors);
     if (event === "done") return data as T;
   }
@@ -54,6 +63,7 @@ interface Kept<T> {
   readonly design: Revision;
   readonly settings: string;
   readonly count: number;
+  readonly isFirst?: boolean;
 }
 
 /** Requests `path` for a scenario (by default the current one), with the additional fields `more`. */
@@ -76,10 +86,12 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
       try {
         const work: Work = { scenario, files: fileIds.value };
         const body = { ...work, ...more };
+        const keep = (value: T, isFirst: boolean): void =>
+          void (found.value = { value, design, settings, count: (found.value?.count ?? 0) + 1, isFirst });
         const value = streams
-          ? await streamed<T>(path, body, abort.signal, (done) => (fraction.value = done))
+          ? await streamed<T>(path, body, abort.signal, (done) => (fraction.value = done), (one) => keep(one, true))
           : await post<T>(path, body, abort.signal);
-        found.value = { value, design, settings, count: (found.value?.count ?? 0) + 1 };
+        keep(value, false);
       } catch (why) {
         if (abort.signal.aborted) return;
         // All places of the server are in use, for example by the same request for the pinned design; or it has lost the files.
@@ -101,9 +113,12 @@ export function useFollowed<T>(path: string, more: object, restMs: number, other
   const hasFailed = isOf(refused.value) && !isOf(found.value);
   const now = other === undefined ? present.value : { revision: design, isWaiting: false, isRefused: false };
   const age = ageOf(found.value?.design ?? "", now);
+  const isFirst = found.value?.isFirst === true;
+  const ofDesign: Age = found.value?.settings !== settings ? "settings" : isFirst ? "first" : age;
   return {
     value: scenario === null || hasFailed ? null : (found.value?.value ?? null),
-    age: age === "current" && found.value?.settings !== settings ? "settings" : age,
+    age: age === "current" ? ofDesign : age,
+    isFirst,
     count: found.value?.count ?? 0,
     problems: hasFailed ? refused.value!.value : [],
     fraction: fraction.value,

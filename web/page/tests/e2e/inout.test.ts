@@ -282,6 +282,8 @@ test("exports equal those of the command line", async () => {
   const report = (await take("report.html")).text;
   assert.match(report, /<html/);
   assert.doesNotMatch(report, /(src|href)="https?:/, "the report refers to no other host");
+  // A program without the feature "png" answers 501, and the browser draws the picture.
+  on.complaints.splice(0, on.complaints.length, ...on.complaints.filter((words) => !/status of 501/.test(words)));
 });
 
 test("adding, moving and removing layers changes the text", async () => {
@@ -301,5 +303,15 @@ test("adding, moving and removing layers changes the text", async () => {
   await page.getByRole("button", { name: "Up", exact: true }).click();
   await settled(page);
   assert.match(await saved(page), /SiO2[\s\S]*Cr:Johnson/);
+  assert.deepEqual(on.complaints, []);
+});
+
+test("old name of a key is read, with a note of its present name", async () => {
+  const page = await on.visit();
+  const scenario = await saved(page);
+  await page.getByRole("button", { name: "TOML" }).click();
+  await page.locator("#source").fill(scenario.replace("haze = 0.78", "haze = 0.78\nstraight_through = 0.02"));
+  await page.locator(".notes", { hasText: /straight_through.*regular_fraction/ }).waitFor({ timeout: 30_000 });
+  assert.equal(await page.locator(".problems, .refusal").count(), 0);
   assert.deepEqual(on.complaints, []);
 });

@@ -152,3 +152,43 @@ test("measured diffuser is fitted, converted, calibrated; a simulated measuremen
   await ended(page, "diffuser steps", 200_000);
   assert.deepEqual(on.complaints, []);
 });
+
+/** Commands that the page offers as jobs beside its own tools, or with more options, and a file that they write; null: it is long. */
+const AS_JOBS: readonly (readonly [example: string, command: string, option: readonly [string, string] | null, file: string | null])[] = [
+  ["indoor", "pixel", ["--phi", "30"], "pixel.csv"],
+  ["matrix", "crosstalk", ["--solver", "monte-carlo"], "crosstalk.csv"],
+  ["antiglare", "gloss", null, "gloss.csv"],
+  ["etched-grades", "run", null, "states.csv"],
+  ["optimize", "optimize", ["--seed", "3"], "best.toml"],
+  ["tolerance", "tolerance", null, null],
+];
+
+test("commands with their options run as jobs, and write the files of the program", { timeout: 900_000 }, async () => {
+  const page = await on.visit();
+  for (const [name, command, given, file] of AS_JOBS) {
+    await example(page, name);
+    await settled(page);
+    await tool(page, "jobs");
+    await page.getByLabel("Command", { exact: true }).selectOption(command);
+    if (given) {
+      const field = option(page, given[0]).locator("select, input");
+      if ((await field.evaluate((one) => one.tagName)) === "SELECT") await field.selectOption(given[1]);
+      else await field.fill(given[1]);
+    }
+    await page.getByRole("button", { name: "Start the job" }).click();
+    await ended(page, command, 200_000);
+    if (file === null) continue;
+    await openJob(page, command);
+    const text = (await downloaded(page, () => page.locator(`[data-job="${command}"]`).first().getByRole("button", { name: `Save ${file}` }).click())).text;
+    const folder = mkdtempSync(join(tmpdir(), "papilio-"));
+    writeFileSync(join(folder, "s.toml"), await saved(page));
+    const more = given ? [given.join("=")] : [];
+    execFileSync(PAPILIO, [command, join(folder, "s.toml"), "--out", join(folder, "out"), ...more], { stdio: "ignore", cwd: ROOT });
+    assert.equal(text, readFileSync(join(folder, "out", file), "utf8"), command);
+  }
+  await tool(page, "jobs");
+  await page.getByLabel("Command", { exact: true }).selectOption("validate");
+  await page.getByRole("button", { name: "Start the job" }).click();
+  await ended(page, "validate", 200_000);
+  assert.deepEqual(on.complaints, []);
+});

@@ -228,3 +228,14 @@ test("menu of layers says what cannot be added here, and why", async () => {
   on.complaints.splice(0, on.complaints.length, ...on.complaints.filter((one) => !/422/.test(one)));
   assert.deepEqual(on.complaints, []);
 });
+
+test("material is found in the list of papilio materials, and used", async () => {
+  const page = await on.visit();
+  await page.locator('[data-part="display.pixel.film.1"]').click();
+  await page.getByRole("button", { name: "Browse materials" }).click();
+  await page.locator(".browser").getByRole("searchbox").fill("gold");
+  await page.locator(".browser-list button", { hasText: /Au/ }).first().click();
+  await settled(page);
+  assert.match(await saved(page), /material = "Au/);
+  assert.deepEqual(on.complaints, []);
+});

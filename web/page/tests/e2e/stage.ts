@@ -32,13 +32,20 @@ export const CHROMIUM = found(
   "Chromium",
 );
 
+export interface Memory {
+  readonly now: number;
+  readonly peak: number;
+}
+
 export interface Stage {
   readonly url: string;
   /** Opens the page in a new context; errors and warnings of the browser are collected in `complaints`. */
   visit(options?: BrowserContextOptions, fragment?: string): Promise<Page>;
   readonly complaints: string[];
-  /** Resident memory of the server, MB. */
-  memory(): number;
+  /** Resident memory of the server, now and at most since it was started, MB. */
+  memory(): Memory;
+  /** Processor time of the server since it was started, ms. */
+  processorMs(): number;
   /** Kills the server and starts it again on the same port. */
   restart(): Promise<void>;
   /** Kills the server. */
@@ -79,6 +86,20 @@ async function serve(port: number): Promise<{ url: string; child: ChildProcess }
   throw new Error("papilio serve ended before it printed its address");
 }
 
+/** Reads the resident memory of a process from /proc (Linux). */
+function memoryOf(pid: number): Memory {
+  const status = readFileSync(`/proc/${pid}/status`, "utf8");
+  const of = (key: string): number => Number(new RegExp(`^${key}:\\s+(\\d+) kB`, "m").exec(status)?.[1]) / 1024;
+  return { now: of("VmRSS"), peak: of("VmHWM") };
+}
+
+/** Processor time of a process, in steps of 10 ms (Linux). */
+function processorMsOf(pid: number): number {
+  const fields = readFileSync(`/proc/${pid}/stat`, "utf8").split(") ").at(-1)!.split(" ");
+  // utime and stime, in hundredths of a second.
+  return 10 * (Number(fields[11]) + Number(fields[12]));
+}
+
 export async function stage(): Promise<Stage> {
   let { url, child } = await serve(0);
   const browser: Browser = await chromium.launch({
@@ -96,7 +117,8 @@ export async function stage(): Promise<Stage> {
   return {
     url,
     complaints,
-    memory: () => Number(execFileSync("ps", ["-o", "rss=", "-p", String(child.pid)], { encoding: "utf8" })) / 1024,
+    memory: () => memoryOf(child.pid!),
+    processorMs: () => processorMsOf(child.pid!),
     async visit(options = {}, fragment = "") {
       const context = await browser.newContext({
         viewport: { width: 1440, height: 900 },
@@ -109,6 +131,8 @@ export async function stage(): Promise<Stage> {
         "console",
         (message) =>
           (message.type() === "error" || message.type() === "warning") &&
+          // The page repeats what a busy server has refused.
+          !/status of 503/.test(message.text()) &&
           // The software renderer of WebGL reports each screenshot and each frame that is read back.
           !/GPU stall due to ReadPixels/.test(message.text()) &&
           complaints.push(message.text()),

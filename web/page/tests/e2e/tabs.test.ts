@@ -193,3 +193,17 @@ test("ends of a range of views are dragged, and a click on a direction between s
   assert.match(await saved(page), /theta_deg = \{ from = 0, to = 70, step = 10 \}/);
   assert.deepEqual(on.complaints, []);
 });
+
+test("sparkle has a first answer with its errors while the exact one is computed", { timeout: 240_000 }, async () => {
+  const page = await on.visit();
+  await example(page, "antiglare");
+  await tool(page, "detail");
+  await page.locator("#detail-kind").selectOption("sparkle");
+  const panel = page.locator("#tab-panel");
+  await panel.locator('.age-mark[data-age="first"]').waitFor({ timeout: 120_000 });
+  const [value, error] = (await panel.locator("table.numbers td").first().innerText()).split("\u00b1").map(Number);
+  assert.ok(value! > 0 && error! > 0.02 * value! && error! < 0.5 * value!, `${value} ${error}`);
+  await panel.getByRole("button", { name: "Cancel" }).click();
+  await panel.locator('[data-phase="cancelled"]').waitFor();
+  assert.deepEqual(on.complaints, []);
+});
