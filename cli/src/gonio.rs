@@ -37,7 +37,8 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
         resolved = resolved.preview();
     }
     let replicates = if resolved.measurement.by_rays { REPLICATES } else { 0 };
-    costs::check_rays(resolved.measurement.goniometer.rays, replicates, arguments.workers.threads)?;
+    let rays = resolved.measurement.goniometer.rays.saturating_mul(replicates);
+    costs::check_rays(rays, arguments.workers.threads)?;
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
         _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),

@@ -40,7 +40,9 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let mut saved = None;
     let mut cone = None;
     if let Some(folder) = out.as_deref().filter(|_| arguments.cone && !result.solver.interrupted) {
-        let table = saved.insert(SavedTable::open(folder, "cone", &resolved.hash, "maps".to_owned())?);
+        // The reference is one of the rows.
+        let directions = format!("maps, reference {:?}", arguments.cone_reference);
+        let table = saved.insert(SavedTable::open(folder, "cone", &resolved.hash, directions)?);
         let found = compute_cone(&resolved, arguments, (&mut prepared, table), &mut computation);
         if let (Err(_), Some(table)) = (&found, saved.take_if(|_| found.is_err())) {
             table.discard()?;

@@ -28,7 +28,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tolerance = input::scenario::<Tolerance>(&arguments.file, &arguments.set)?;
     print_notes(&tolerance.notes);
     let production = Production::new(&tolerance);
-    production.check(&tolerance)?;
     let paths = tolerance.keys.iter().flat_map(|key| key.paths.iter().map(|(path, ..)| path.as_str()));
     let numbers = tolerance.metrics.len() + tolerance.limits.len();
     costs::check_evaluations(
@@ -38,6 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         costs::samples_bytes(production.displays(), numbers),
         arguments.workers.threads,
     )?;
+    production.check(&tolerance)?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_out(&arguments.file));
     output::check(&folder)?;
     output::make_folder(&folder)?;

@@ -163,6 +163,12 @@ mod tests {
         assert_eq!((pmma.measured_nm, pmma.range_nm), ((436.8, 1052.0), (380.0, 1052.0)));
         assert_eq!(pmma.beyond_data((380.0, 780.0)).as_deref(), Some("below 436.8 nm"));
         assert_eq!(pmma.beyond_data((440.0, 780.0)), None);
+        // Exactly the data, and a little more at either end.
+        let (from, to) = pmma.measured_nm;
+        assert_eq!(pmma.beyond_data((from, to)), None);
+        assert_eq!(pmma.beyond_data((from, to + 1.0)), Some(format!("above {to} nm")));
+        let both = pmma.beyond_data((from - 1.0, to + 1.0));
+        assert_eq!(both, Some(format!("below {from} nm and above {to} nm")));
         let n = |name: &str, nm: f64| material(name).unwrap().unwrap().index(nm);
         // The formula goes on; a table keeps its value.
         assert!(n("PMMA", 380.0).unwrap().re > n("PMMA", 437.0).unwrap().re);

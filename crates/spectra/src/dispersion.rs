@@ -234,6 +234,17 @@ mod tests {
         assert!(dispersion.on(&grid).is_err());
     }
 
+    /// Cauchy's formula, n = 1.5, over ranges that are empty, not positive or without end.
+    #[test]
+    fn range_of_a_formula_is_positive_and_finite() {
+        let over = |range_nm| Dispersion::formula(5, &[1.5], range_nm, None);
+        for range in [(0.0, 700.0), (-1.0, 700.0), (700.0, 400.0), (400.0, f64::INFINITY), (f64::NAN, 700.0)]
+        {
+            assert!(matches!(over(range), Err(SpectraError::NoRange { .. })), "{range:?}");
+        }
+        assert_eq!(over((500.0, 500.0)).unwrap().range_nm(), (500.0, 500.0));
+    }
+
     #[test]
     fn negative_k_zero_index_and_disjoint_ranges_are_refused() {
         assert!(Dispersion::constant(1.5, -1e-9).is_err());

@@ -69,3 +69,14 @@ impl Grid {
         (0..self.len).map(|i| self.wavelength_nm(i)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_and_step_are_those_of_the_range() {
+        let grid = Grid::new(380.0, 780.0, 5.0).unwrap();
+        assert_eq!((grid.start_nm(), grid.stop_nm(), grid.step_nm(), grid.len()), (380.0, 780.0, 5.0, 81));
+    }
+}

@@ -299,6 +299,18 @@ mod tests {
 
     /// ISO 11664-2 (CIE standard illuminants D65 and A), relative to 100 at 560 nm.
     #[test]
+    fn names_aliases_and_words_find_their_illuminants() {
+        for (name, known) in [("TL84", "FL11"), ("d65", "D65"), ("led_b5", "LED-B5")] {
+            let info = illuminant_info(name).unwrap();
+            assert_eq!(info.name, known);
+            assert!(!info.what.is_empty() && !info.source.is_empty());
+        }
+        assert_eq!(illuminant_info("D66"), None);
+        assert_eq!(illuminants_called("bulb"), ["A"]);
+        assert!(illuminants_called("moonlight").is_empty());
+    }
+
+    #[test]
     fn illuminants_a_d65_and_e_equal_published_values() {
         let grid = visible(5.0);
         let at = |s: &Spectrum, nm: f64| s[((nm - 380.0) / 5.0) as usize];

@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 use crate::client::{Server, read};
 use crate::load::resident_kb;
 
-const CLIENTS: u64 = 50;
+/// In the long test, and in every day's.
+const CLIENTS: [u64; 2] = [50, 8];
 
 /// Memory that the process may take besides its clients: MB.
 const MOST_MB: u64 = 1000;
@@ -95,10 +96,12 @@ impl Requests {
     }
 
     /// Sends one request of a random kind; returns its kind and the status, 0 without a response.
-    fn send(&self, server: &Server, dice: &mut Dice) -> (&'static str, u16) {
+    fn send(&self, server: &Server, dice: &mut Dice, is_long: bool) -> (&'static str, u16) {
         let json = "application/json";
         let path = &self.paths[dice.below(self.paths.len())];
-        match dice.below(8) {
+        // Without those that wait for time limits.
+        let kinds = if is_long { 8 } else { 5 };
+        match dice.below(kinds) {
             0 | 1 => ("extreme", server.post("/live", &self.body(dice)).status),
             2 => ("other path", server.send(path, json, self.body(dice).to_string().as_bytes()).status),
             3 => {
@@ -106,13 +109,13 @@ impl Requests {
                 let body = mutated(dice, body);
                 ("mutated body", server.send(path, json, &body).status)
             }
-            4 => {
+            5 => {
                 let body = self.body(dice).to_string();
                 let request = mutated(dice, server.request(path, json, body.as_bytes()));
                 // What a mutated length promises does not arrive: the server gives up after ten seconds.
                 ("mutated request", server.raw(&request).status)
             }
-            5 => {
+            6 => {
                 let mut stream = server.connect();
                 let request = server.request("/api/v1/live", json, self.body(dice).to_string().as_bytes());
                 for part in request.chunks(1 + dice.below(request.len())) {
@@ -124,7 +127,7 @@ impl Requests {
                 // Some do not wait for the response.
                 ("slow", if dice.one_in(3) { 0 } else { read(&mut stream).status })
             }
-            6 if dice.one_in(8) => {
+            7 if dice.one_in(8) => {
                 let (path, kind) = dice.of([
                     ("/api/v1/live", json),
                     ("/api/v1/files?name=a.csv", "application/octet-stream"),
@@ -142,11 +145,11 @@ impl Requests {
                 let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
                 ("huge", read(&mut stream).status)
             }
-            6 => {
+            7 if dice.one_in(2) => {
                 let text = mutated(dice, b"wavelength_nm,value\n400,0.1\n550,0.7\n700,1\n".to_vec());
                 ("file", server.send("/api/v1/files?name=a.csv", "application/octet-stream", &text).status)
             }
-            _ => {
+            4 | 7.. => {
                 let junk: Vec<u8> = (0..dice.below(2000)).map(|_| dice.bits() as u8).collect();
                 ("junk", server.raw(&[&junk[..], b"\r\n\r\n"].concat()).status)
             }
@@ -165,12 +168,12 @@ fn fifty_hostile_clients_neither_stop_the_server_nor_fill_its_memory() {
     let statuses: Mutex<BTreeMap<(&str, u16), u64>> = Mutex::default();
     let (sent, most_kb) = (AtomicU64::new(0), AtomicU64::new(0));
     std::thread::scope(|scope| {
-        for client in 0..CLIENTS {
+        for client in 0..CLIENTS[usize::from(set.is_none())] {
             let (server, requests, statuses, sent) = (&server, &requests, &statuses, &sent);
             scope.spawn(move || {
                 let mut dice = Dice::new(0x736f_616b, client);
                 while begun.elapsed() < duration {
-                    let answer = requests.send(server, &mut dice);
+                    let answer = requests.send(server, &mut dice, set.is_some());
                     sent.fetch_add(1, Ordering::Relaxed);
                     *statuses.lock().unwrap().entry(answer).or_default() += 1;
                 }
