@@ -15,8 +15,8 @@ use crate::shell::{self, Apart};
 /// Programs that run at the same time; each has as many threads as the machine has cores.
 const AT_A_TIME: usize = 2;
 
-/// The longest programs, in seconds of processor time: they begin first.
-const LONGEST: [&str; 4] = ["cli", "site", "validation", "transport"];
+/// The programs that take most time, longest first: they begin first.
+const LONGEST: [&str; 5] = ["cli", "display", "transport", "site", "validation"];
 
 /// A compiled test program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +42,7 @@ impl Program {
     fn run(&self) -> Apart {
         let mut command = Command::new(&self.executable);
         command.current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder).arg("--quiet");
-        shell::run_apart(command)
+        shell::run_named(command, format!("tests of {}", self.name))
     }
 
     /// Its place in the order of beginning.

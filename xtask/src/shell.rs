@@ -121,8 +121,13 @@ impl Apart {
 }
 
 /// Runs a command and keeps what it writes, for later.
-pub(crate) fn run_apart(mut command: Command) -> Apart {
+pub(crate) fn run_apart(command: Command) -> Apart {
     let shown = shown(&command);
+    run_named(command, shown)
+}
+
+/// The same, with a name that is shown instead of the command.
+pub(crate) fn run_named(mut command: Command, shown: String) -> Apart {
     match command.stdin(Stdio::null()).output() {
         Ok(output) => Apart {
             texts: [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()),
