@@ -7,13 +7,17 @@ use papilio_design::fit::Fitting;
 use papilio_formats::{DataFile, read_measurement};
 use papilio_scenario::Fit;
 
-const OVER_GAP: &str = r#"
+/// Light at the wavelengths of the data, on a bare film.
+const BARE: &str = r#"
 [spectrum]
 range_nm = [395, 705]
 step_nm = 5
 [display.glass]
 index = 1.0
 surface = "fresnel"
+"#;
+
+const OVER_GAP: &str = r#"
 [display.pixel]
 model = "film"
 substrate = { n = 3.9, k = 0.05 }
@@ -38,12 +42,6 @@ bounds = [0, 0.1]
 
 /// An amorphous semiconductor on glass.
 const AMORPHOUS: &str = r#"
-[spectrum]
-range_nm = [395, 705]
-step_nm = 5
-[display.glass]
-index = 1.0
-surface = "fresnel"
 [display.pixel]
 model = "film"
 substrate = 1.52
@@ -86,7 +84,7 @@ fn fit_is_that_of_scipy(scenario: &str, name: &str) {
     let data = format!("{name}_data.csv");
     let data = DataFile::open(&films.join(&data), &data).unwrap();
     let measured = read_measurement(&data).unwrap().value;
-    let spec = Fit::from_text(scenario, "film", Path::new(""), &[]).unwrap();
+    let spec = Fit::from_text(&format!("{BARE}{scenario}"), "film", Path::new(""), &[]).unwrap();
     let stop = AtomicBool::new(false);
     let fitting = Fitting::new(spec, &measured, &stop).unwrap();
     let found = fitting.run(2, &|_, _| {}).unwrap().unwrap();

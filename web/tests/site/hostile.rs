@@ -5,7 +5,7 @@ use std::net::{IpAddr, TcpStream};
 use std::time::{Duration, Instant};
 
 use papilio_scenario::Edit;
-use papilio_testing::{Dice, laws};
+use papilio_testing::{Dice, laws, sized};
 use papilio_web::{Options, openapi};
 use serde_json::{Value, json};
 
@@ -384,8 +384,8 @@ fn properties(all: &Value, schema: &Value) -> Vec<String> {
 #[test]
 fn generated_request_gives_a_result_or_a_client_error() {
     let (server, all) = (Server::start(), openapi());
-    // Coarse: what is asked of a whole scenario is computed, too.
-    let scenario = format!("{}\n[spectrum]\nstep_nm = 50\n", indoor(&server));
+    // What is asked of a whole scenario is computed, too: every day, with a coarse spectrum.
+    let scenario = indoor(&server) + sized("\n[spectrum]\nstep_nm = 50\n", "");
     let mut asked = 0;
     for (path, methods) in all["paths"].as_object().unwrap() {
         let Some(schema) = methods.pointer("/post/requestBody/content/application~1json/schema") else {

@@ -339,6 +339,19 @@ fn search_for_a_spectrum_recovers_the_film() {
     }
 }
 
+/// A population is cut where the evaluations end.
+#[test]
+fn global_search_keeps_to_its_evaluations() {
+    for evaluations in [10, 100, 151] {
+        let limit = format!("method = \"global\"\nevaluations = {evaluations}");
+        let (search, evaluator) = search(&SEARCH.replace("evaluations = 400", &limit));
+        let (found, _) = run(&search, &evaluator, 1, &SearchRecords::default());
+        for one in found {
+            assert_eq!(one.evaluations, evaluations);
+        }
+    }
+}
+
 #[test]
 fn front_designs_are_not_dominated() {
     let (search, evaluator) = search(&format!("{SEARCH}{SECOND}"));

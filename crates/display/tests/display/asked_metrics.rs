@@ -374,6 +374,29 @@ fn errors_with_the_display_white_include_those_of_the_white() {
     }
 }
 
+/// Two places where a stated error is known to be too small are named, and no others.
+#[test]
+fn errors_that_may_be_too_small_are_named() {
+    let notes = |name: &str, method: [&str; 2], sets: &[&str]| {
+        let sets = [sets, &method, &["spectrum.step_nm=100"]].concat();
+        run(&scenario(name, &sets).unwrap().scene).unwrap().notes.join("; ")
+    };
+    let paths = ["solver.method=monte-carlo", "solver.paths=64"];
+    let adding = ["solver.method=adding", "solver.relative_error=0.1"];
+    for (thickness, method, is_named) in [(12, paths, true), (9, paths, false), (12, adding, false)] {
+        let found = notes("slab", method, &[&format!("display.diffuser.optical_thickness={thickness}")]);
+        assert_eq!(found.contains("few paths pass slabs of an optical thickness of 12"), is_named, "{found}");
+    }
+    // The last incidence of the file is 75 deg.
+    let at = |theta_deg: f64, field_deg: f64, method: [&str; 2]| {
+        let view = [format!("viewer.theta_deg={theta_deg}"), format!("viewer.field_deg={field_deg}")];
+        notes("measured-h65", method, &["display.diffuser.extrapolate=none", &view[0], &view[1]])
+    };
+    let said = "goes across the end of the diffuser's measured directions";
+    assert!(at(75.0, 4.0, adding).contains(said));
+    assert!(!at(40.0, 4.0, adding).contains(said) && !at(75.0, 4.0, paths).contains(said));
+}
+
 /// Y above 1 is explained, with its cause and the white that L* is relative to.
 #[test]
 fn colour_brighter_than_a_perfect_white_is_explained() {

@@ -112,7 +112,7 @@ test("picture of the design before is marked until its own is there", { timeout:
 
 test("view that is not computed yet has no numbers of another view", { timeout: 120_000 }, async () => {
   const page = await on.visit();
-  await example(page, "metrics");
+  await example(page, "hazy-face");
   await page.locator("#view").waitFor({ timeout: 60_000 });
   await allCurrent(page);
   await slow(page, { live: 1500 });
