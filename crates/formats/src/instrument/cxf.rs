@@ -3,7 +3,7 @@
 use papilio_colour::Standard;
 use roxmltree::Node;
 
-use super::{Kind, Sample, Source, SpectralFile, observer};
+use super::{Kind, Sample, Source, SpectralFile, illuminant, observer};
 use crate::error::FormatError;
 
 const FORMAT: &str = "CxF";
@@ -31,6 +31,12 @@ fn observer_of<'a>(root: Node<'a, 'a>, colour: Node<'a, 'a>) -> Option<Standard>
     observer(named(specification, "Observer").next()?.text()?)
 }
 
+/// Returns the illuminant of a colour, such as `D50`.
+fn illuminant_of<'a>(root: Node<'a, 'a>, colour: Node<'a, 'a>) -> Option<String> {
+    let specification = specification(root, colour)?;
+    illuminant(named(specification, "Illuminant").next()?.text()?)
+}
+
 /// Returns the first wavelength and the step of a spectrum, nm: its own, or those of its specification.
 fn wavelengths<'a>(root: Node<'a, 'a>, spectrum: Node<'a, 'a>) -> Option<(f64, f64)> {
     let range = specification(root, spectrum)
@@ -51,7 +57,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
     let source = Source { name, text, format: FORMAT };
     let wrong = |node: Node<'_, '_>, what: String| source.at(node.range(), what);
     let (samples, notes) = (Vec::new(), Vec::new());
-    let mut file = SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes };
+    let mut file = SpectralFile::new(FORMAT, Kind::Unstated, samples, notes);
     let mut further = 0;
     for object in named(root, "Object") {
         let Some(values) = object.children().find(|node| node.tag_name().name() == "ColorValues") else {
@@ -89,6 +95,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
         let mut colour = |tag: &str, parts: [&str; 3]| {
             let colour = values.children().find(|node| node.tag_name().name() == tag)?;
             file.observer = file.observer.or_else(|| observer_of(root, colour));
+            file.illuminant = file.illuminant.take().or_else(|| illuminant_of(root, colour));
             let part =
                 |part: &str| number(colour.children().find(|node| node.tag_name().name() == part)?.text()?);
             let [a, b, c] = parts.map(part);
