@@ -50,7 +50,7 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
     }
     if let Some(illuminant) = read.illuminant.filter(|_| has_colours) {
         read.notes.push(format!(
-            "the colours of the file are those in {illuminant}: compare them with a display in this light, too (a spectrum has no light of its own)"
+            "the colours of the file are those in {illuminant}: compare them with a display in {illuminant}"
         ));
     }
     let measured = |State { name, theta_deg, phi_deg, value, deviation }: State| Measured {

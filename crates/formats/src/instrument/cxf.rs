@@ -1,5 +1,7 @@
 //! CxF3, the Color Exchange Format of X-Rite and ISO 17972-1: XML with an element `Object` for each sample.
 
+use std::ops::Range;
+
 use papilio_colour::Standard;
 use roxmltree::Node;
 
@@ -48,6 +50,13 @@ fn wavelengths<'a>(root: Node<'a, 'a>, spectrum: Node<'a, 'a>) -> Option<(f64, f
     Some((of("StartWL")?, of("Increment")?))
 }
 
+/// Returns the place of an element's first tag.
+fn start_tag(text: &str, node: Node<'_, '_>) -> Range<usize> {
+    let whole = node.range();
+    let length = text[whole.clone()].find('>').map_or(whole.len(), |end| end + 1);
+    whole.start..whole.start + length
+}
+
 pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<SpectralFile, FormatError> {
     const SPECTRA: [(&str, Kind); 3] = [
         ("ReflectanceSpectrum", Kind::Reflectance),
@@ -65,7 +74,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
         };
         let mut sample = Sample {
             name: object.attribute("Name").unwrap_or_default().trim().to_owned(),
-            at: object.range(),
+            at: start_tag(text, object),
             ..Sample::default()
         };
         for spectrum in values.children() {
