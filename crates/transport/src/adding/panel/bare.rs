@@ -14,9 +14,12 @@ use super::add_scaled;
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::light::rings::{Peaks, Ring, rings};
+use crate::mueller::Orders;
 use crate::numerics::quadrature::{Node, Pole, graded};
 use crate::specular::{FlatTop, panel_image};
-use crate::{Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
+use crate::{
+    Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top, WholeView,
+};
 
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
@@ -26,6 +29,8 @@ pub(super) struct Kernel {
     digits: f64,
     views: Vec<View>,
     lights: Vec<Light>,
+    /// Direction cosines of the light of lamps.
+    centres: Vec<Option<Beta>>,
 }
 
 #[derive(Debug, Clone)]
@@ -79,7 +84,12 @@ impl Kernel {
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => Light::Directed(smooth_points(field, SMOOTH, digits)),
         };
-        Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
+        Self {
+            digits,
+            views: views.iter().map(view).collect(),
+            lights: sources.iter().map(light).collect(),
+            centres: sources.iter().map(Source::direction).collect(),
+        }
     }
 
     /// Returns whether its points can be used for this base.
@@ -102,7 +112,11 @@ impl Kernel {
         for seen in &view.images {
             let rho = &mut estimate.rho[seen.source];
             for point in &seen.points {
-                rho.add(&panel_image(stack, point.beta), point.weight);
+                let image = match Orders::of(stack, point.beta) {
+                    Some(orders) => orders.seen(Some(&view.cone), seen.source, self.centres[seen.source]),
+                    None => panel_image(stack, point.beta),
+                };
+                rho.add(&image, point.weight);
             }
         }
         estimate
@@ -112,9 +126,21 @@ impl Kernel {
         let mut fate = Fate::zeros(stack);
         let mut r = vec![0.0; fate.arriving.len()];
         let mut flat = FlatTop::new(stack.base.bins());
+        let is_polarised = stack.whole.as_ref().is_some_and(WholeView::is_polarised);
+        let mut polarised = None;
         for point in &view.points {
             flat.set(stack, point.beta.squared());
-            stack.base.reflectance_towards(point.beta, &stack.medium, &mut r);
+            if let Some(orders) = Orders::of(stack, point.beta) {
+                orders.set(&mut flat);
+                orders.equivalent(&flat, &mut r);
+                if is_polarised {
+                    let zeros = || ReflectanceFactor::zeros(stack.base.states(), stack.base.bins());
+                    let seen = orders.seen(Some(&view.cone), usize::MAX, None);
+                    polarised.get_or_insert_with(zeros).add(&seen, point.weight);
+                }
+            } else {
+                stack.base.reflectance_towards(point.beta, &stack.medium, &mut r);
+            }
             fate.enter(&flat, point.weight);
             for (k, r) in r.iter().enumerate() {
                 let bin = k % flat.t.len();
@@ -123,10 +149,12 @@ impl Kernel {
                 fate.meet_base(k, arriving, *r, (t, below));
             }
         }
+        let diffuse = polarised.unwrap_or_else(|| ReflectanceFactor {
+            via_pixel: fate.leaving.clone(),
+            front: fate.mirrored.clone(),
+        });
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => {
-                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
-            }
+            Light::Diffuse => diffuse.clone(),
             Light::Directed(_) => ReflectanceFactor::zeros(stack.base.states(), stack.base.bins()),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }
