@@ -10,7 +10,7 @@
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
 //!
 //! - above a liquid crystal, below flat faces and components alone, the whole coherency matrix of light is followed ([`is_whole`],
-//!   [`MuellerTable`](papilio_transport::MuellerTable)).
+//!   [`Mueller`](papilio_transport::Mueller)).
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face; sheets, given by their reflectance, are the same for both.

@@ -262,6 +262,7 @@ impl Setup {
         let apart = polarisation::reaches_pixel(scene)?;
         let is_whole = polarisation::is_whole(scene);
         let weights_changed = is_whole != polarisation::is_whole(&last)
+            || is_whole && pixel::has_few_directions(scene) != pixel::has_few_directions(&last)
             || apart != self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {
@@ -372,8 +373,10 @@ impl Setup {
     /// Computes the reflectance of each state of the pixel alone in the direction of a view,
     /// `[state][wavelength]`; returns false if the pixel is not specular.
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
-        if base.is_specular() {
-            let beta = at.field.axis_towards();
+        let beta = at.field.axis_towards();
+        if let Some(mueller) = self.stack.mueller() {
+            mueller.reflectance(beta, &medium(&self.scene), out);
+        } else if base.is_specular() {
             base.reflectance_towards(beta, &medium(&self.scene), out);
         }
         base.is_specular()

@@ -69,7 +69,7 @@ pub use estimate::{Estimate, Ledger, ReflectanceFactor};
 pub use front::Front;
 pub use layers::*;
 pub use light::{Cone, Edge, Field, Pixels, Radiance, Source, Vibration};
-pub use mueller::{MuellerTable, WholeView};
+pub use mueller::{Mueller, MuellerAt, MuellerByDirection, WholeView};
 pub use panel::{Approximation, Described, Panel, PanelParts, Top};
 pub use pixel_spread::PixelSpread;
 pub use polarised_view::{PolarisedLight, PolarisedView, Top as PolarisedTop};

@@ -12,6 +12,7 @@
 //! Sheets of the front of screen reflect as metal does along the normal, `r_p = -r_s`.
 
 use std::f64::consts::SQRT_2;
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use papilio_optics::film::Polarisation;
@@ -32,15 +33,11 @@ const RECIPROCAL: Quartet = [1.0, 1.0, -1.0, 1.0];
 const LIGHT: Quartet = [0.5, 0.5, 0.0, 0.0];
 const METER: Quartet = [1.0, 1.0, 0.0, 0.0];
 
-/// Reflection of polarised light by a pixel, by direction.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MuellerTable {
-    /// Nodes over the cosine in the medium above.
-    pub panels: CosinePanels,
-    /// Number of harmonics of each element: 1, cos 2 phi, sin 2 phi, ... of elements on and above the diagonal; cos phi, sin phi, cos 3 phi, ... below it.
-    pub harmonics: usize,
-    /// Of the active area, `[node][state][element][harmonic][wavelength]`: the elements as [`symmetric`](Self::symmetric) returns them.
-    pub values: Arc<[f64]>,
+/// Reflection of polarised light by a pixel.
+#[derive(Debug, Clone)]
+pub struct Mueller {
+    /// Of the active area, by direction.
+    pub by_direction: MuellerByDirection,
     /// Number of states.
     pub states: usize,
     /// Active fraction of the area.
@@ -49,13 +46,40 @@ pub struct MuellerTable {
     pub inactive: Vec<f64>,
 }
 
-impl MuellerTable {
+/// The matrices of a pixel by direction.
+#[derive(Debug, Clone)]
+pub enum MuellerByDirection {
+    /// Interpolated.
+    Table {
+        /// Nodes over the cosine in the medium above.
+        panels: CosinePanels,
+        /// Number of harmonics of each element: 1, cos 2 phi, sin 2 phi, ... of elements on and above the diagonal; cos phi, sin phi, cos 3 phi, ... below it.
+        harmonics: usize,
+        /// `[node][state][element][harmonic][wavelength]`: the elements as [`Mueller::symmetric`] returns them.
+        values: Arc<[f64]>,
+    },
+    /// Computed for each direction: for few of them.
+    Exact(Arc<dyn MuellerAt>),
+}
+
+/// What computes the matrices of a pixel.
+pub trait MuellerAt: Debug + Send + Sync {
+    /// Returns the elements, `[state][element][wavelength]`, for light that leaves with these direction cosines.
+    fn at(&self, beta: Beta) -> Arc<[f64]>;
+}
+
+impl Mueller {
     /// Number of elements of the matrix, by rows.
     pub const ELEMENTS: usize = 16;
 
     /// Returns whether an element of the table has odd multiples of the azimuth.
     pub fn is_odd(element: usize) -> bool {
         element / 4 > element % 4
+    }
+
+    /// Returns the elements for light that leaves towards the opposite azimuth.
+    pub fn reversed(elements: [f64; Self::ELEMENTS]) -> [f64; Self::ELEMENTS] {
+        std::array::from_fn(|at| RECIPROCAL[at / 4] * RECIPROCAL[at % 4] * elements[at % 4 * 4 + at / 4])
     }
 
     /// Returns sums of mirrored elements in their place above the diagonal, and differences below.
@@ -72,23 +96,62 @@ impl MuellerTable {
 
     /// Returns the elements, `[state][element][wavelength]`, for light that leaves with these direction cosines.
     fn at(&self, beta: Beta, medium: &Medium) -> Vec<f64> {
-        let (bins, harmonics) = (self.inactive.len(), self.harmonics);
+        let mut all = match &self.by_direction {
+            MuellerByDirection::Exact(exact) => exact.at(beta).to_vec(),
+            MuellerByDirection::Table { panels, harmonics, values } => {
+                self.interpolated((panels, *harmonics, values), beta, medium)
+            }
+        };
+        all.iter_mut().for_each(|value| *value *= self.active);
+        let bins = self.inactive.len();
+        for of_state in all.chunks_exact_mut(Self::ELEMENTS * bins) {
+            // As a mirror of metal.
+            for (place, sign) in [1.0, 1.0, -1.0, -1.0].into_iter().enumerate() {
+                let diagonal = &mut of_state[5 * place * bins..][..bins];
+                diagonal.iter_mut().zip(&self.inactive).for_each(|(value, more)| *value += sign * more);
+            }
+        }
+        all
+    }
+
+    /// Computes the reflectance for unpolarised light, `[state][wavelength]`, of light that leaves with these direction cosines.
+    pub fn reflectance(&self, beta: Beta, medium: &Medium, out: &mut [f64]) {
+        let (bins, all) = (self.inactive.len(), self.at(beta, medium));
+        for (of_state, out) in all.chunks_exact(Self::ELEMENTS * bins).zip(out.chunks_exact_mut(bins)) {
+            let of = |bin: usize| {
+                0.5 * [0, 1, 4, 5].map(|element| of_state[element * bins + bin]).iter().sum::<f64>()
+            };
+            out.iter_mut().enumerate().for_each(|(bin, out)| *out = of(bin));
+        }
+    }
+
+    /// Returns whether each direction is computed.
+    pub fn is_exact(&self) -> bool {
+        matches!(self.by_direction, MuellerByDirection::Exact(_))
+    }
+
+    fn interpolated(
+        &self,
+        (panels, harmonics, values): (&CosinePanels, usize, &[f64]),
+        beta: Beta,
+        medium: &Medium,
+    ) -> Vec<f64> {
+        let bins = self.inactive.len();
         let width = self.states * Self::ELEMENTS * harmonics * bins;
         let mut rows = vec![0.0; width];
-        let stencil =
-            |index: f64| self.panels.stencil((1.0 - beta.squared() / (index * index)).max(0.0).sqrt());
+        let stencil = |index: f64| panels.stencil((1.0 - beta.squared() / (index * index)).max(0.0).sqrt());
         if let Some(index) = medium.constant_index() {
             let stencil = stencil(index);
             with_widest_simd(
                 #[inline(always)]
-                || add_rows(&mut rows, &self.values[stencil.first * width..], &stencil.weights),
+                || add_rows(&mut rows, &values[stencil.first * width..], &stencil.weights),
             );
         } else {
             for bin in 0..bins {
                 let stencil = stencil(medium.index()[bin]);
                 for at in (bin..width).step_by(bins) {
-                    let nodes = stencil.first..self.panels.count();
-                    let of = |(node, weight): (usize, f64)| weight * self.values[node * width + at];
+                    let nodes = stencil.first..panels.count();
+                    let of = |(node, weight): (usize, f64)| weight * values[node * width + at];
                     rows[at] = nodes.zip(stencil.weights).map(of).sum();
                 }
             }
@@ -96,7 +159,7 @@ impl MuellerTable {
         let phi = beta.y.atan2(beta.x);
         let wave = |multiple: usize, is_sine: bool| {
             let (sin, cos) = (multiple as f64 * phi).sin_cos();
-            self.active * if is_sine { sin } else { cos }
+            if is_sine { sin } else { cos }
         };
         let even: Vec<f64> =
             (0..harmonics).map(|k| wave(2 * k.div_ceil(2), k > 0 && k.is_multiple_of(2))).collect();
@@ -115,11 +178,6 @@ impl MuellerTable {
                     let (sum, difference) = (of_state[upper], of_state[lower]);
                     (of_state[upper], of_state[lower]) = (sum + difference, sign * (sum - difference));
                 }
-            }
-            // As a mirror of metal.
-            for (place, sign) in [1.0, 1.0, -1.0, -1.0].into_iter().enumerate() {
-                let diagonal = &mut of_state[5 * place * bins..][..bins];
-                diagonal.iter_mut().zip(&self.inactive).for_each(|(value, more)| *value += sign * more);
             }
         }
         out

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
-use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium, MuellerTable, WholeView};
+use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium, Mueller, WholeView};
 
 /// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub struct Panel {
     /// Whether light is followed through a single pass of the panel only (Feng 2012, eq. 3-5).
     pub single_pass: bool,
     /// The pixel for polarised light, if it changes polarisation and the top is flat.
-    pub mueller: Option<Arc<MuellerTable>>,
+    pub mueller: Option<Arc<Mueller>>,
     /// What is polarised above it.
     pub whole: Option<WholeView>,
 }

@@ -19,9 +19,7 @@ use papilio_spectra::Spectrum;
 use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::MirrorRun;
 use crate::polarised_view::PolarisedView;
-use crate::{
-    Approximation, Base, Interface, Medium, MuellerTable, Panel, PanelParts, Reflector, Source, Top,
-};
+use crate::{Approximation, Base, Interface, Medium, Mueller, Panel, PanelParts, Reflector, Source, Top};
 
 /// Layers over a pixel.
 #[derive(Debug, Clone)]
@@ -184,14 +182,14 @@ impl Stack {
 
     /// Sets the pixel of a panel for polarised light, with as many states and wavelengths: a pixel that changes polarisation. Another pixel in its place
     /// ends that.
-    pub fn set_mueller(&mut self, mueller: Option<Arc<MuellerTable>>) {
+    pub fn set_mueller(&mut self, mueller: Option<Arc<Mueller>>) {
         if let Form::Panel(panel) = &mut self.form {
             panel.mueller = mueller.filter(|_| !matches!(panel.top, Top::Diffuser(_)));
         }
     }
 
     /// The pixel of a panel for polarised light.
-    pub fn mueller(&self) -> Option<&Arc<MuellerTable>> {
+    pub fn mueller(&self) -> Option<&Arc<Mueller>> {
         self.panel()?.mueller.as_ref()
     }
 

@@ -4,13 +4,14 @@
 //! same at opposite azimuths, and so are sums of mirrored elements of the matrix for polarised light; their differences have opposite signs. Their number is chosen at a steep inclination, the nodes as for films. Nearer to the normal, fewer azimuths are
 //! computed, as many as the last harmonics there require.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use papilio_optics::OpticsError;
 use papilio_optics::berreman::{SpectralStack, SpectralWaves};
+use papilio_optics::{Beta, OpticsError};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, MuellerTable, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, Mueller, MuellerAt, MuellerByDirection, Nodes, Reflector};
 use rayon::prelude::*;
 
 use super::table;
@@ -42,6 +43,7 @@ pub(crate) const AZIMUTH_BELOW_LAYERS: DisplayError = DisplayError::Azimuth {
 };
 
 /// A pixel on the wavelengths of a scene.
+#[derive(Debug)]
 pub(super) struct Crystal {
     stack: SpectralStack,
     index: Vec<f64>,
@@ -58,12 +60,12 @@ impl Crystal {
 
     /// Number of functions of each state.
     fn elements(&self) -> usize {
-        if self.polarised { MuellerTable::ELEMENTS } else { 1 }
+        if self.polarised { Mueller::ELEMENTS } else { 1 }
     }
 
     /// Returns whether a function, by its number, has odd multiples of the azimuth.
     fn is_odd(&self, function: usize) -> bool {
-        self.polarised && MuellerTable::is_odd(function % MuellerTable::ELEMENTS)
+        self.polarised && Mueller::is_odd(function % Mueller::ELEMENTS)
     }
 
     /// Returns the waves of light at this inclination; `beta` at each wavelength is `sine` times the index, or the sine itself in air. Grazing light
@@ -89,17 +91,24 @@ impl Crystal {
         if !self.polarised {
             return self.reflectance_of(waves, phi_deg);
         }
-        let (own, bins) = (self.stack.states(), self.index.len());
-        let matrix = MuellerTable::ELEMENTS * bins;
-        let mut out = vec![0.0; phi_deg.len() * own * matrix];
-        waves.actions(phi_deg, &mut out)?;
-        for matrix in out.chunks_exact_mut(matrix) {
+        let bins = self.index.len();
+        let mut all = self.matrices(waves, phi_deg)?;
+        for matrix in all.chunks_exact_mut(Mueller::ELEMENTS * bins) {
             for bin in 0..bins {
                 let of = |element: usize| matrix[element * bins + bin];
-                let symmetric = MuellerTable::symmetric(std::array::from_fn(of));
+                let symmetric = Mueller::symmetric(std::array::from_fn(of));
                 symmetric.into_iter().enumerate().for_each(|(at, value)| matrix[at * bins + bin] = value);
             }
         }
+        Ok(all)
+    }
+
+    /// Computes the matrices for polarised light, `[azimuth][state][element][wavelength]`.
+    fn matrices(&self, waves: &mut SpectralWaves<'_>, phi_deg: &[f64]) -> Result<Vec<f64>, OpticsError> {
+        let own = self.stack.states();
+        let matrix = Mueller::ELEMENTS * self.index.len();
+        let mut out = vec![0.0; phi_deg.len() * own * matrix];
+        waves.actions(phi_deg, &mut out)?;
         Ok(match own == self.states {
             true => out,
             false => out.chunks_exact(own * matrix).flat_map(|row| row.repeat(self.states)).collect(),
@@ -237,7 +246,7 @@ pub(super) fn base(
     index: &Spectrum,
     seen: Seen<'_>,
     control: Option<&Control<'_>>,
-) -> Result<(Base, Option<Arc<MuellerTable>>), DisplayError> {
+) -> Result<(Base, Option<Arc<Mueller>>), DisplayError> {
     let mut crystal = Crystal::new(pixel, grid, index)?;
     crystal.polarised = seen.polarised;
     let count = crystal.count()?;
@@ -276,10 +285,12 @@ pub(super) fn base(
     let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
     let (panels, values) = panels.ok_or(DisplayError::CrystalFringes)?;
     let inactive_reflectance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * r);
-    let mueller = seen.polarised.then(|| MuellerTable {
-        panels: panels.clone(),
-        harmonics: count,
-        values: Arc::clone(&values),
+    let mueller = seen.polarised.then(|| Mueller {
+        by_direction: MuellerByDirection::Table {
+            panels: panels.clone(),
+            harmonics: count,
+            values: Arc::clone(&values),
+        },
         states,
         active: pixel.fill_factor,
         inactive: inactive_reflectance.to_vec(),
@@ -294,6 +305,78 @@ pub(super) fn base(
     Ok((Base { reflector: Reflector::Specular(table), inactive_absorptance }, mueller.map(Arc::new)))
 }
 
+/// Returns a liquid-crystal pixel that is computed for each direction, below flat layers in air, and a base without a table.
+pub(super) fn exact(
+    pixel: &CrystalPixel,
+    grid: &Grid,
+    index: &Spectrum,
+) -> Result<(Base, Arc<Mueller>), DisplayError> {
+    let crystal = Crystal { polarised: true, ..Crystal::new(pixel, grid, index)? };
+    let (bins, states) = (grid.len(), pixel.states.len());
+    let inactive = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * r).to_vec();
+    let table = AngularTable {
+        nodes: Nodes::Constant,
+        basis: vec![0.0; states * bins].into(),
+        mixture: vec![0.0; states * states],
+        common: inactive.clone(),
+    };
+    let inactive_absorptance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * (1.0 - r));
+    let base = Base { reflector: Reflector::Specular(table), inactive_absorptance };
+    let by_direction = MuellerByDirection::Exact(Arc::new(Exact { crystal, known: Mutex::default() }));
+    Ok((base, Arc::new(Mueller { by_direction, states, active: pixel.fill_factor, inactive })))
+}
+
+/// A pixel that is computed for each direction, and those that are known.
+#[derive(Debug)]
+struct Exact {
+    crystal: Crystal,
+    known: Mutex<HashMap<[i64; 2], Arc<[f64]>>>,
+}
+
+/// Largest number of directions that are kept.
+const MOST_DIRECTIONS: usize = 4096;
+
+impl MuellerAt for Exact {
+    fn at(&self, beta: Beta) -> Arc<[f64]> {
+        // Directions that differ by rounding are the same.
+        let key = [beta.x, beta.y].map(|x| (x * 1e13).round() as i64);
+        let known =
+            |key: &[i64; 2]| self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned();
+        if let Some(known) = known(&key) {
+            return known;
+        }
+        let bins = self.crystal.index.len();
+        let found: Arc<[f64]> = match known(&key.map(|x| -x)) {
+            Some(opposite) => reversed(&opposite, bins).into(),
+            None => {
+                let phi_deg = beta.y.atan2(beta.x).to_degrees();
+                let found = self.crystal.waves(beta.length(), true);
+                let found = found.and_then(|mut waves| self.crystal.matrices(&mut waves, &[phi_deg]));
+                // A display that cannot be computed is no number.
+                let none = || vec![f64::NAN; self.crystal.states * Mueller::ELEMENTS * bins];
+                found.unwrap_or_else(|_| none()).into()
+            }
+        };
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() < MOST_DIRECTIONS {
+            known.insert(key, Arc::clone(&found));
+        }
+        found
+    }
+}
+
+/// Returns the matrices of a direction from those of the opposite azimuth.
+fn reversed(matrices: &[f64], bins: usize) -> Vec<f64> {
+    let mut out = matrices.to_vec();
+    for matrix in out.chunks_exact_mut(Mueller::ELEMENTS * bins) {
+        for bin in 0..bins {
+            let elements = Mueller::reversed(std::array::from_fn(|element| matrix[element * bins + bin]));
+            elements.into_iter().enumerate().for_each(|(at, value)| matrix[at * bins + bin] = value);
+        }
+    }
+    out
+}
+
 /// Returns the reflectance for unpolarised light from symmetric elements, each with this number of values: half of p from p and s from s, and the sum of
 /// both others.
 fn means(values: &[f64], of_element: usize) -> Arc<[f64]> {
@@ -301,5 +384,5 @@ fn means(values: &[f64], of_element: usize) -> Arc<[f64]> {
         let [pp, ps, ss] = [0, 1, 5].map(|element| &elements[element * of_element..][..of_element]);
         (0..of_element).map(|k| 0.5 * (pp[k] + ss[k]) + ps[k]).collect()
     };
-    values.chunks_exact(MuellerTable::ELEMENTS * of_element).flat_map(of).collect()
+    values.chunks_exact(Mueller::ELEMENTS * of_element).flat_map(of).collect()
 }

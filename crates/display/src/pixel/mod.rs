@@ -12,7 +12,7 @@ mod weighted;
 
 use std::sync::Arc;
 
-use papilio_transport::{AngularTable, Base, Medium, MuellerTable, Nodes, Reflector, Stack};
+use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
 pub(crate) use crystal::AZIMUTH_BELOW_LAYERS;
@@ -23,8 +23,8 @@ pub(crate) use weighted::{SeenLight, WeightedNodes, WeightedTable};
 
 use crate::run::Control;
 use crate::scene::{
-    AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,
-    UniformPixel,
+    AngleMedium, DirectedLight, Drive, FilmState, Method, Pixel, ScatteringPixel, Scene, TableAngles,
+    TablePixel, UniformKind, UniformPixel,
 };
 use crate::{DisplayError, polarisation, setup};
 
@@ -176,7 +176,7 @@ pub(crate) struct Bases {
     /// For light of s and of p, if the stack keeps them apart.
     pub(crate) polarised: Option<[Base; 2]>,
     /// For polarised light, if the pixel changes its polarisation and that is followed.
-    pub(crate) mueller: Option<Arc<MuellerTable>>,
+    pub(crate) mueller: Option<Arc<Mueller>>,
 }
 
 /// Computes the pixel as the base of a stack, as [`base`] does; for light of s and of p, too, if they are
@@ -195,6 +195,10 @@ pub(crate) fn bases(
         Pixel::Crystal(pixel) if polarisation::is_whole(scene) => {
             let seen = crystal::Seen { is_bare: true, unrefracted: false, polarised: true, cosines };
             let index = scene.display.index_above_pixel();
+            if cosines.is_some() && has_few_directions(scene) {
+                let (mean, mueller) = crystal::exact(pixel, &scene.grid, index)?;
+                return Ok(Bases { mean, polarised: None, mueller: Some(mueller) });
+            }
             let made = crystal::base(pixel, &scene.grid, index, seen, Some(control));
             let (mean, mueller) = match made {
                 // The reflectance for unpolarised light may have fewer fringes than the other elements.
@@ -213,6 +217,17 @@ pub(crate) fn bases(
             Ok(Bases { mean, polarised, mueller: None })
         }
     }
+}
+
+/// Returns whether adding sees a display from few directions: each is then computed, without a table.
+pub(crate) fn has_few_directions(scene: &Scene) -> bool {
+    const MOST_AZIMUTHS: usize = 8;
+    const WIDEST_DEG: f64 = 4.0;
+    let is_small = |lamp: &DirectedLight| lamp.radius_deg.is_none_or(|radius_deg| radius_deg <= WIDEST_DEG);
+    scene.solver.method != Method::MonteCarlo
+        && scene.viewer.phi_deg.len() <= MOST_AZIMUTHS
+        && scene.viewer.field_deg <= WIDEST_DEG
+        && scene.lighting.directed.iter().all(is_small)
 }
 
 fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {

@@ -164,8 +164,8 @@ fn computations_without_azimuth_are_refused() {
     run(&uniform).unwrap();
 }
 
-/// A run computes the pixel towards its views and lamps alone. A map of all views computes more of the same table: in the direction of a view both are
-/// the same, and a prepared display takes what it needs after each change.
+/// A run computes the pixel in the directions that its views and lamps need. A map of all views interpolates in a table, within 1e-4; and a prepared
+/// display takes what it needs after each change.
 #[test]
 fn views_see_the_same_pixel_as_a_map_of_all_directions() {
     let scene = twisted(&["viewer.theta_deg=[30]", "viewer.phi_deg=[70]", "viewer.field_deg=0"]);
@@ -187,5 +187,5 @@ fn views_see_the_same_pixel_as_a_map_of_all_directions() {
     let state = alone.views[0].states.get("white").unwrap();
     let number = map.states.iter().position(|name| name == "white").unwrap();
     let seen = map.views[4].states[number].reflectance_factor_y;
-    assert!((seen / state.value.Y - 1.0).abs() < 1e-9, "{seen} {}", state.value.Y);
+    assert!((seen - state.value.Y).abs() < 1e-4, "{seen} {}", state.value.Y);
 }

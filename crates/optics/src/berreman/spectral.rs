@@ -655,8 +655,10 @@ impl<'a> Group<'a> {
             }
             // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
             // other has opposite signs in both.
-            for sign in [1.0, -1.0] {
-                let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
+            let thinner = self.layer(material, slice, azimuth, eighth * Real::splat(-1.0));
+            let quarter =
+                self.layer(material, &Slice { thickness_nm: 0.0, ..*slice }, azimuth, eighth + eighth);
+            for (sign, layer) in [(1.0, joined(&thinner, &quarter)), (-1.0, thinner)] {
                 let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
                 let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
                 let phase = Pair::diagonal(phase, phase);

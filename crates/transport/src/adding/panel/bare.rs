@@ -17,9 +17,7 @@ use crate::light::rings::{Peaks, Ring, rings};
 use crate::mueller::Orders;
 use crate::numerics::quadrature::{Node, Pole, graded};
 use crate::specular::{FlatTop, panel_image};
-use crate::{
-    Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top, WholeView,
-};
+use crate::{Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Top, WholeView};
 
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
@@ -31,6 +29,8 @@ pub(super) struct Kernel {
     lights: Vec<Light>,
     /// Direction cosines of the light of lamps.
     centres: Vec<Option<Beta>>,
+    /// Whether its pixel is computed for each direction.
+    is_exact: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -61,16 +61,17 @@ struct Fate {
     unaccounted: StateSpectra,
 }
 
+/// Returns whether the pixel is computed for each direction, without a table that has structure of its own.
+fn is_exact(stack: &Panel) -> bool {
+    stack.mueller.as_ref().is_some_and(|mueller| mueller.is_exact())
+}
+
 impl Kernel {
-    /// Computes the points of a view or source over this base, in this medium.
-    pub(super) fn new(
-        (base, medium): (&Base, &Medium),
-        views: &[Cone],
-        sources: &[Source],
-        digits: f64,
-    ) -> Self {
+    /// Computes the points of a view or source in this panel.
+    pub(super) fn new(stack: &Panel, views: &[Cone], sources: &[Source], digits: f64) -> Self {
         let view = |cone: &Cone| {
-            let (rings, across) = ((digits / 2.5) as usize, base.nodes_across(cone, medium));
+            let across = stack.base.nodes_across(cone, &stack.medium);
+            let rings = if is_exact(stack) { 1 } else { (digits / 2.5) as usize };
             View {
                 cone: *cone,
                 across,
@@ -87,6 +88,7 @@ impl Kernel {
         Self {
             digits,
             views: views.iter().map(view).collect(),
+            is_exact: is_exact(stack),
             lights: sources.iter().map(light).collect(),
             centres: sources.iter().map(Source::direction).collect(),
         }
@@ -94,7 +96,8 @@ impl Kernel {
 
     /// Returns whether its points can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
-        self.views.iter().all(|view| view.across == stack.base.nodes_across(&view.cone, &stack.medium))
+        let across = |view: &View| stack.base.nodes_across(&view.cone, &stack.medium);
+        self.is_exact == is_exact(stack) && self.views.iter().all(|view| view.across == across(view))
     }
 
     pub(super) fn nodes(&self) -> usize {
