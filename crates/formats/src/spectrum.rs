@@ -279,8 +279,27 @@ impl Points<'_> {
         }
         let whole = |problem| FormatError::whole(&self.file.name, problem);
         let [value] = columns.finish().map_err(whole)?;
-        Ok(Warned { value, warnings: self.notes })
+        let warnings = self.notes.into_iter().chain(missing(value.wavelengths_nm())).collect();
+        Ok(Warned { value, warnings })
     }
+}
+
+/// Note on wavelengths that a spectrum seems to lack: a step of more than 50 nm, and of three times the usual one, where the eye sees.
+pub(crate) fn missing(wavelengths_nm: &[f64]) -> Option<String> {
+    const VISIBLE_NM: std::ops::Range<f64> = 400.0..700.0;
+    let steps = || wavelengths_nm.windows(2).map(|pair| (pair[1] - pair[0], pair));
+    let mut all: Vec<f64> = steps().map(|(step, _)| step).collect();
+    all.sort_by(f64::total_cmp);
+    let usual = *all.get(all.len() / 2)?;
+    let is_gap = |(step, pair): &(f64, &[f64])| {
+        *step > f64::max(50.0, 3.0 * usual) && pair[0] < VISIBLE_NM.end && pair[1] > VISIBLE_NM.start
+    };
+    steps().find(is_gap).map(|(_, pair)| {
+        format!(
+            "there are no values between {} and {} nm: the spectrum is interpolated there",
+            pair[0], pair[1]
+        )
+    })
 }
 
 /// Wavelengths and `N` columns of values.

@@ -19,6 +19,7 @@ use crate::file::DataFile;
 use crate::instrument::{self, Kind, SpectralFile};
 use crate::is_name;
 use crate::pixel_table::NM;
+use crate::spectrum::missing;
 use crate::table::quantities::{
     A_STAR, ABSORBANCE, B_STAR, EPS_1, EPS_2, K, L_STAR, LIGHT, N, PHI, REFLECTANCE, STANDARD_DEVIATION,
     STATE, THETA, WAVELENGTH, X, Y, Z,
@@ -474,7 +475,10 @@ impl Points {
                             return fault(at, Problem::OutOfRange { what, value: *value, expected });
                         }
                     }
-                    Value::Spectrum(tabulated(point, spectrum, &error)?)
+                    let spectrum = tabulated(point, spectrum, &error)?;
+                    let missing = missing(spectrum.wavelengths_nm());
+                    self.notes.extend(missing.map(|note| format!("state `{}`: {note}", point.name)));
+                    Value::Spectrum(spectrum)
                 }
                 (true, Some(xyz), _) => Value::Xyz(xyz),
                 (true, None, Some(lab)) => Value::Lab(lab),

@@ -316,6 +316,25 @@ fn rows_of_a_light_meter_are_in_order() {
     }
 }
 
+/// Wavelengths that a spectrum lacks are noted, and coarse steps are not.
+#[test]
+fn missing_wavelengths_are_noted() {
+    let is_noted = |nm: &[u32]| {
+        let rows: String = nm.iter().map(|nm| format!("white,{nm},0.5\n")).collect();
+        let panel = data("panel.csv", format!("state,wavelength_nm,reflectance_factor\n{rows}").as_bytes());
+        let light =
+            data("light.csv", format!("wavelength_nm,value\n{}", rows.replace("white,", "")).as_bytes());
+        let notes =
+            [read_measured_panel(&panel).unwrap().warnings, read_light_with_notes(&light).unwrap().warnings];
+        notes.map(|notes| notes.iter().any(|note| note.contains("no values between 480 and 630 nm")))
+    };
+    let steps = |from: u32, to: u32| (from..=to).step_by(10).collect::<Vec<u32>>();
+    assert_eq!(is_noted(&[steps(380, 480), steps(630, 780)].concat()), [true; 2]);
+    assert_eq!(is_noted(&[380, 480, 580, 680, 780]), [false; 2]);
+    assert_eq!(is_noted(&[380, 780]), [false; 2]);
+    assert_eq!(is_noted(&steps(380, 780)), [false; 2]);
+}
+
 /// XML that is damaged, or of another kind, is named as such, at its line.
 #[test]
 fn other_xml_is_named() {

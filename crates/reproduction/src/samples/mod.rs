@@ -159,6 +159,11 @@ impl SampleList {
             if list.samples[..number].iter().any(|other| other.name == *own) {
                 return Err(refused(at, format!("two samples are called `{own}`"), "a name for each"));
             }
+            if let Some(deviation) = sample.relative_standard_deviation.filter(|deviation| *deviation <= 0.0)
+            {
+                let what = format!("`relative_standard_deviation` of the sample `{own}` is {deviation}");
+                return Err(refused(at, what, "a number above 0, or none"));
+            }
             if sample.cases.is_empty() {
                 let what = format!("the sample `{own}` has no `cases`");
                 return Err(refused(at, what, "at least one, such as cases = [{ name = \"one\" }]"));

@@ -172,6 +172,8 @@ fn bad_lists_are_refused_with_their_place() {
     assert!(said(no_case).contains("`a` has no `cases`"), "{}", said(no_case));
     let one = no_case.replace("cases = []", "cases = [{ name = \"one\" }]");
     assert!(said(&one.replace("\"a\"", "\"a/b\"")).contains("\"a/b\" of this sample is not that of a file"));
+    let negative = said(&one.replace("cases =", "relative_standard_deviation = -1\ncases ="));
+    assert!(negative.contains("is -1") && negative.contains("expected a number above 0"), "{negative}");
     let two = said(&format!("{one}{one}"));
     assert!(two.contains("two samples are called `a`") && two.contains("mine.toml:10:1"), "{two}");
     assert!(said("sample = []").contains("this list has no samples"), "{}", said("sample = []"));
