@@ -6,7 +6,7 @@
 
 use divan::{Bencher, black_box};
 use papilio_colour::D65_WHITE;
-use papilio_colour::pictures::{FlipPicture, Picture, scielab};
+use papilio_colour::pictures::{FlipPicture, MappedPicture, Picture, Reader, compared, scielab};
 
 fn main() {
     divan::main();
@@ -51,5 +51,18 @@ fn flip(bencher: Bencher<'_, '_>) {
         let [own, one, other] =
             pictures.each_ref().map(|picture| FlipPicture::new(picture, PIXELS_PER_DEGREE));
         black_box([own.differences(&one).unwrap(), own.differences(&other).unwrap()])
+    });
+}
+
+/// All of them row by row, as for large pictures.
+#[divan::bench(sample_count = 3)]
+fn row_by_row(bencher: Bencher<'_, '_>) {
+    let pictures = [0, 1, 2].map(|number| {
+        picture(number).pixels().map(|pixel| pixel.map(|value| value as f32)).collect::<Vec<_>>()
+    });
+    let [own, one, other] = pictures.each_ref().map(Vec::as_slice);
+    let reader = Reader { white: D65_WHITE, per_degree: PIXELS_PER_DEGREE, coloured: [8.0, 2.0], window: 6 };
+    bencher.bench_local(|| {
+        black_box(compared(own, [one, other].map(MappedPicture::from), SIZE[0], reader, 1).unwrap())
     });
 }

@@ -79,26 +79,27 @@ fn means_of<T: Copy + Into<f64>>(
             *value = rounded((sums[end] - sums[first]) / (end - first) as f64);
         }
     }
-    // Down the columns, the sum of the rows in the window: one row enters and one leaves.
+    // Down the columns, the sum of the rows in the window: one row enters and one leaves, which is kept until then.
     let rows = values.len() / columns;
-    let source = values.clone();
-    let row = |y: usize| &source[y * columns..][..columns];
+    let count_of_kept = (radius + 1).min(rows);
+    let mut kept = values[..count_of_kept * columns].to_vec();
     let sums = &mut sums[..columns];
     sums.fill(0.0);
     let mut entered = 0;
     for y in 0..rows {
         while entered < (y + radius + 1).min(rows) {
-            sums.iter_mut().zip(row(entered)).for_each(|(sum, value)| *sum += (*value).into());
+            let entering = &values[entered * columns..][..columns];
+            sums.iter_mut().zip(entering).for_each(|(sum, value)| *sum += (*value).into());
             entered += 1;
         }
+        let kept = &mut kept[y % count_of_kept * columns..][..columns];
         if y > radius {
-            sums.iter_mut().zip(row(y - radius - 1)).for_each(|(sum, value)| *sum -= (*value).into());
+            sums.iter_mut().zip(&*kept).for_each(|(sum, value)| *sum -= (*value).into());
         }
+        let row = &mut values[y * columns..][..columns];
+        kept.copy_from_slice(row);
         let count = (entered - y.saturating_sub(radius)) as f64;
-        values[y * columns..][..columns]
-            .iter_mut()
-            .zip(&*sums)
-            .for_each(|(value, sum)| *value = rounded(sum / count));
+        row.iter_mut().zip(&*sums).for_each(|(value, sum)| *value = rounded(sum / count));
     }
     values
 }

@@ -95,19 +95,19 @@ impl<'a> Areas<'a> {
         }
         // Soft and hard steps at their borders.
         let mut steps = vec![[0_u32; 2]; count as usize + 1];
-        for (at, step) in pairs(self.first.len(), self.columns) {
-            let [one, other] = [at, at + step].map(|at| self.first[at]);
+        for_each_pair(self.first.len(), self.columns, |at, next| {
+            let [one, other] = [at, next].map(|at| self.first[at]);
             if one != other {
                 let [one, other] = [one, other].map(|first| areas[first as usize]);
                 if one.max(other) > 0 {
-                    let [here, there] = [at, at + step].map(|at| self.colours[at]);
+                    let [here, there] = [at, next].map(|at| self.colours[at]);
                     let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
                     [one, other]
                         .iter()
                         .for_each(|area| steps[*area as usize][usize::from(largest > SOFT)] += 1);
                 }
             }
-        }
+        });
         let is_flat = |first: &u32| {
             let area = areas[*first as usize] as usize;
             let [soft, hard] = steps[area].map(f64::from);
@@ -124,15 +124,18 @@ fn large(first: &[u32], least: usize) -> Vec<bool> {
     first.iter().map(|first| counts[*first as usize] >= least).collect()
 }
 
-/// Pixels and the step to their right or lower neighbour.
-fn pairs(pixels: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..pixels / columns).flat_map(move |row| {
-        (row * columns..(row + 1) * columns).flat_map(move |at| {
-            let right = (at + 1 < (row + 1) * columns).then_some((at, 1));
-            let down = (at + columns < pixels).then_some((at, columns));
-            right.into_iter().chain(down)
-        })
-    })
+/// Calls a function with each pixel and its right neighbour, and with its lower one.
+fn for_each_pair(pixels: usize, columns: usize, mut of: impl FnMut(usize, usize)) {
+    for first in (0..pixels).step_by(columns) {
+        for at in first..first + columns {
+            if at + 1 < first + columns {
+                of(at, at + 1);
+            }
+            if at + columns < pixels {
+                of(at, at + columns);
+            }
+        }
+    }
 }
 
 /// The first pixel of the area of each pixel; neighbours are in the same area if `is_same` says so.
@@ -145,10 +148,12 @@ fn joined(pixels: usize, columns: usize, is_same: impl Fn(usize, usize) -> bool)
         }
         at
     };
-    for (at, step) in pairs(pixels, columns).filter(|(at, step)| is_same(*at, at + step)) {
-        let [one, other] = [at, at + step].map(|at| root(&mut first, at as u32));
-        first[one.max(other) as usize] = one.min(other);
-    }
+    for_each_pair(pixels, columns, |at, next| {
+        if is_same(at, next) {
+            let [one, other] = [at, next].map(|at| root(&mut first, at as u32));
+            first[one.max(other) as usize] = one.min(other);
+        }
+    });
     // Each pixel comes after the first one of its area.
     (0..pixels).for_each(|at| first[at] = first[first[at] as usize]);
     first

@@ -131,8 +131,9 @@ impl Eye {
         let transfer = |k: usize| transfers.get(k).map_or(&[][..], Vec::as_slice);
         let [one, other] = &mut planes;
         filtered([one, other], across, [transfer(0), transfer(1)]);
-        let single = |plane: Vec<f64>| plane.into_iter().map(|value| value as f32).collect();
-        planes.into_iter().take(transfers.len()).map(single).collect()
+        // Into memory of their own: half of that of the planes.
+        let single = |plane: &Vec<f64>| plane.iter().map(|value| *value as f32).collect();
+        planes.iter().take(transfers.len()).map(single).collect()
     }
 
     /// The wide Gaussians of a filter at the frequencies of the blocks.

@@ -149,3 +149,50 @@ fn down(
     into.fill(0.0);
     across(kernel, ring.values(), places, into);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FlipPicture, Picture};
+    use super::*;
+
+    /// Row by row, from the first row or from a later one, FLIP is that of the whole picture.
+    #[test]
+    fn rows_are_those_of_whole_pictures() {
+        let (columns, rows, per_degree) = (43, 31, 30.0);
+        let value = |k: usize, step: f64| (step * k as f64).fract();
+        let picture = |steps: [f64; 3]| {
+            Picture::new(columns, steps.map(|step| (0..columns * rows).map(|k| value(k, step)).collect()))
+                .unwrap()
+        };
+        let pictures =
+            [picture([0.618_034, 0.414_214, 0.732_051]), picture([0.236_068, 0.645_751, 0.316_625])];
+        let [one, other] = pictures.each_ref().map(|picture| FlipPicture::new(picture, per_degree));
+        let expected = one.differences(&other).unwrap();
+        let eye = FlipEye::new(per_degree);
+        for first in [0, 17] {
+            let stride = stride(columns);
+            let mut lines = [eye.lines(columns), eye.lines(columns)];
+            let mut planes = [0; 2].map(|_| [0; 5].map(|_| vec![0.0; stride]));
+            lines.iter_mut().for_each(|lines| lines.next = first.max(eye.reach) - eye.reach);
+            for row in first..rows {
+                for ((lines, picture), planes) in lines.iter_mut().zip(&pictures).zip(&mut planes) {
+                    while lines.next < (row + eye.reach + 1).min(rows) {
+                        let from = lines.next * columns;
+                        let pixel =
+                            |x: usize| picture.planes().each_ref().map(|plane| plane[from + x] as f32);
+                        lines.push(&eye, columns, pixel);
+                    }
+                    let [l, a, b, edges, points] = planes.each_mut().map(Vec::as_mut_slice);
+                    lines.see(&eye, (row, rows), [l, a, b], [edges, points]);
+                }
+                let [one, other] = planes.each_ref().map(|[l, a, b, edges, points]| FlipRow {
+                    colours: [l, a, b],
+                    features: [edges, points],
+                });
+                let mut found = vec![0.0; stride];
+                eye.differences(one, other, &mut found);
+                assert_eq!(found[..columns], expected[row * columns..][..columns], "{first} {row}");
+            }
+        }
+    }
+}

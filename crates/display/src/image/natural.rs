@@ -227,7 +227,7 @@ fn is_white(pixel: &[f32; 3]) -> bool {
 }
 
 /// Stops by which the light tones of a photograph are too dark; 0 where they are light enough.
-fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>, threads: usize) -> f64 {
+pub(super) fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>, threads: usize) -> f64 {
     // The light of a pixel's largest primary. The bits of such numbers, none of which is negative, have their order.
     let light = |at: usize| {
         let is_photograph = is_drawn.is_none_or(|is_drawn| !is_drawn[at]);

@@ -5,6 +5,7 @@ use papilio_colour::{Adaptation, D65_WHITE, Observer, Xyz};
 use papilio_spectra::{Grid, planck};
 use papilio_testing::Dice;
 
+use super::natural::missing_stops;
 use super::regions::Drawing;
 use super::rendering::{Rendered, Rendering};
 use super::tests::inks;
@@ -35,6 +36,28 @@ fn drawn(pixels: &[[f32; 3]]) -> f64 {
 
 fn grey(light: f64) -> [f32; 3] {
     D65_WHITE.to_array().map(|one| (one * light) as f32)
+}
+
+/// The exposure is decided by the same pixel as if all were sorted, exactly.
+#[test]
+fn exposure_is_that_of_the_sorted_pixels() {
+    let mut dice = Dice::new(6, 0);
+    let pixels: Vec<[f32; 3]> = (0..3000).map(|_| grey(0.45 * dice.throw().powi(3))).collect();
+    let is_drawn: Vec<bool> = (0..pixels.len()).map(|_| dice.throw() < 0.2).collect();
+    for is_drawn in [None, Some(&is_drawn[..])] {
+        let photograph = (0..pixels.len()).filter(|at| is_drawn.is_none_or(|is_drawn| !is_drawn[*at]));
+        let largest = |at: usize| {
+            let [x, y, z] = pixels[at].map(f64::from);
+            Xyz { x, y, z }.linear_srgb().into_iter().fold(0.0, f64::max)
+        };
+        let mut lights: Vec<f64> = photograph.map(largest).collect();
+        lights.sort_by(f64::total_cmp);
+        let light = lights[(0.995 * (lights.len() - 1) as f64).round() as usize];
+        for threads in [1, 3] {
+            assert_eq!(missing_stops(&pixels, is_drawn, threads), (0.5 / light).log2());
+        }
+    }
+    assert_eq!((missing_stops(&[], None, 2), missing_stops(&[[0.0; 3]; 9], None, 2)), (0.0, 0.0));
 }
 
 /// A photograph: noise about a dark and a light half, up to this light.
