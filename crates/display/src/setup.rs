@@ -263,6 +263,7 @@ impl Setup {
         let is_whole = polarisation::is_whole(scene);
         let weights_changed = is_whole != polarisation::is_whole(&last)
             || is_whole && pixel::has_few_directions(scene) != pixel::has_few_directions(&last)
+            || polarisation::needs_whole(scene) != polarisation::needs_whole(&last)
             || apart != self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {

@@ -125,11 +125,6 @@ impl Mueller {
         }
     }
 
-    /// Returns whether each direction is computed.
-    pub fn is_exact(&self) -> bool {
-        matches!(self.by_direction, MuellerByDirection::Exact(_))
-    }
-
     fn interpolated(
         &self,
         (panels, harmonics, values): (&CosinePanels, usize, &[f64]),

@@ -192,6 +192,51 @@ fn numbers_beside_factors_and_edges_match_full_run() {
     }
 }
 
+/// Retarders and gaps of a liquid crystal: one display after the other, with the kernels of the first, equals a display of its own by a table
+/// (at another number of azimuths than is computed one by one).
+#[test]
+fn retarders_match_full_run() {
+    let text = r#"
+[spectrum]
+step_nm = 20
+[display.glass]
+index = 1.5
+surface = "fresnel"
+[display.pixel]
+model = "liquid-crystal"
+substrate = "Ag"
+stack = [
+  { kind = "polariser", axis_deg = 0, transmittance = 0.47, extinction = 1e-4 },
+  { kind = "retarder", axis_deg = 45, retardance_nm = 137.5 },
+  { kind = "cell", gap_um = 2, n_o = 1.5, n_e = 1.6, rub_deg = 45, states = { white = { tilt_deg = 30 }, black = { tilt_deg = 88 } } },
+]
+[viewer]
+theta_deg = [0, 45]
+polariser = 20
+"#;
+    let keys = ["stack.1.retardance_nm", "stack.1.axis_deg", "stack.2.gap_um"];
+    let keys = keys.map(|key| format!("display.pixel.{key}"));
+    let mut study = study(&keys.each_ref().map(String::as_str), &["white.Y", "black.Y", "white.u_prime"]);
+    let varied = |set: &[String]| {
+        ParameterisedScenario::from_text(text, "test.toml", Path::new(""), set, &keys).unwrap()
+    };
+    study.conditions[0].varied = varied(&[]);
+    let mut evaluator = Evaluator::new(Arc::new(study.clone()), &STOP);
+    let many = "viewer.phi_deg=[0,1,2,3,4,5,6,7,8]".to_owned();
+    for design in [[137.5, 45.0, 2.0], [120.0, 50.0, 1.5], [150.0, 40.0, 2.4]] {
+        let fast = evaluator.evaluate(&design).unwrap();
+        let mut alone = study.clone();
+        alone.conditions[0].varied = varied(&[many.clone()]);
+        let result = Evaluator::new(Arc::new(alone), &STOP).run(&design, 0).unwrap();
+        for (named, fast) in study.quantities.iter().zip(fast) {
+            let (fast, full) = (fast.unwrap(), named.quantity.of(&result).unwrap());
+            assert!((fast - full).abs() < 3e-4, "{} at {design:?}: {fast}, {full}", named.name);
+        }
+    }
+    assert!(evaluator.derivatives(&[137.5, 45.0, 2.0]).unwrap().slopes.iter().all(|slope| slope.is_finite()));
+    assert!(matches!(evaluator.evaluate(&[137.5, 45.0, -2.0]), Err(DesignError::Scenario(_))));
+}
+
 /// A parameter of the film is evaluated by the fast method, any other key by full runs. Both have
 /// derivatives.
 #[test]

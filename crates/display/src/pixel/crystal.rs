@@ -50,12 +50,28 @@ pub(super) struct Crystal {
     states: usize,
     /// Whether the table is one for polarised light.
     polarised: bool,
+    /// Factor of elements with the phase of p and s while the table is made: below 1, it is coarser for them.
+    of_phases: f64,
+}
+
+/// The same where nothing but the pixel and the face is polarised: what the face reflects of the phase, up to a fifth at 70 deg, meets the pixel twice.
+const UNSEEN_PHASES: f64 = 0.1;
+
+/// Returns whether an element has the phase of p and s.
+fn has_phase(element: usize) -> bool {
+    element / 4 >= 2 || element % 4 >= 2
 }
 
 impl Crystal {
     pub(super) fn new(pixel: &CrystalPixel, grid: &Grid, index: &Spectrum) -> Result<Self, OpticsError> {
         let stack = SpectralStack::new(&grid.wavelengths_nm(), index, &pixel.parts, &pixel.substrate)?;
-        Ok(Self { stack, index: index.to_vec(), states: pixel.states.len(), polarised: false })
+        Ok(Self {
+            stack,
+            index: index.to_vec(),
+            states: pixel.states.len(),
+            polarised: false,
+            of_phases: 1.0,
+        })
     }
 
     /// Number of functions of each state.
@@ -97,7 +113,10 @@ impl Crystal {
             for bin in 0..bins {
                 let of = |element: usize| matrix[element * bins + bin];
                 let symmetric = Mueller::symmetric(std::array::from_fn(of));
-                symmetric.into_iter().enumerate().for_each(|(at, value)| matrix[at * bins + bin] = value);
+                for (element, value) in symmetric.into_iter().enumerate() {
+                    let factor = if has_phase(element) { self.of_phases } else { 1.0 };
+                    matrix[element * bins + bin] = factor * value;
+                }
             }
         }
         Ok(all)
@@ -230,8 +249,9 @@ pub(super) struct Seen<'a> {
     /// Below flat layers in air, light has directions that exist in air: others are left at 0, unless it is unrefracted.
     pub(super) is_bare: bool,
     pub(super) unrefracted: bool,
-    /// Whether the polarisation of light is followed.
+    /// Whether the polarisation of light is followed, and whether anything but the pixel and the face is polarised.
     pub(super) polarised: bool,
+    pub(super) phases: bool,
     /// Ranges of the cosine between which the pixel is to be known: panels of the table without any of them are left at 0. `None`: all.
     pub(super) cosines: Option<&'a [[f64; 2]]>,
 }
@@ -249,6 +269,7 @@ pub(super) fn base(
 ) -> Result<(Base, Option<Arc<Mueller>>), DisplayError> {
     let mut crystal = Crystal::new(pixel, grid, index)?;
     crystal.polarised = seen.polarised;
+    crystal.of_phases = if seen.phases { 1.0 } else { UNSEEN_PHASES };
     let count = crystal.count()?;
     if count > 1 && !seen.is_bare {
         return Err(AZIMUTH_BELOW_LAYERS);
@@ -283,7 +304,14 @@ pub(super) fn base(
     };
     // A sample as good as the whole would take as long: the whole decides.
     let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
-    let (panels, values) = panels.ok_or(DisplayError::CrystalFringes)?;
+    let (panels, mut values) = panels.ok_or(DisplayError::CrystalFringes)?;
+    if seen.polarised && !seen.phases {
+        let of_element = count * bins;
+        let own: &mut [f64] = Arc::make_mut(&mut values);
+        let elements = own.chunks_exact_mut(of_element).enumerate();
+        let phases = elements.filter(|(number, _)| has_phase(number % Mueller::ELEMENTS));
+        phases.for_each(|(_, element)| element.iter_mut().for_each(|value| *value /= UNSEEN_PHASES));
+    }
     let inactive_reflectance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * r);
     let mueller = seen.polarised.then(|| Mueller {
         by_direction: MuellerByDirection::Table {

@@ -162,7 +162,7 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
-            let seen = crystal::Seen { is_bare, unrefracted, polarised: false, cosines };
+            let seen = crystal::Seen { is_bare, unrefracted, polarised: false, phases: false, cosines };
             Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
         }
     }
@@ -193,7 +193,8 @@ pub(crate) fn bases(
             film::polarised_bases(pixel, &scene.grid, scene.display.index_above_pixel(), film, before)
         }
         Pixel::Crystal(pixel) if polarisation::is_whole(scene) => {
-            let seen = crystal::Seen { is_bare: true, unrefracted: false, polarised: true, cosines };
+            let phases = polarisation::needs_whole(scene);
+            let seen = crystal::Seen { is_bare: true, unrefracted: false, polarised: true, phases, cosines };
             let index = scene.display.index_above_pixel();
             if cosines.is_some() && has_few_directions(scene) {
                 let (mean, mueller) = crystal::exact(pixel, &scene.grid, index)?;

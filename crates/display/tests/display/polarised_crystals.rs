@@ -80,13 +80,17 @@ const UNPOLARISED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 /// In diffuse light, at several azimuths; the face of the glass polarises what passes it. Both solvers.
 #[test]
 fn polariser_before_the_eye_sees_the_sum_of_stokes_parameters() {
-    let views = ["viewer.theta_deg=[0,25,60,75]", "viewer.phi_deg=[0,33,213,300]"];
+    let views = ["viewer.theta_deg=[0,25,60,75]", "viewer.phi_deg=[33,213]"];
     // Of harmonics those below 5e-5 are left out, and thick retarders have the faces of their mean index.
     for (stack, tolerance) in [(CELLS, 6e-4), (TWISTED, 2e-3)] {
         for polariser_deg in [None, Some(0.0), Some(30.0), Some(-75.0)] {
             let set = polariser_deg.map(|angle| format!("viewer.polariser={angle}"));
             let set: Vec<&str> = views.into_iter().chain(set.as_deref()).collect();
-            for method in ["solver.method=adding", "solver.method=monte-carlo"] {
+            // The table of Monte Carlo, where nothing is polarised and where something is.
+            let walks = matches!(polariser_deg, None | Some(30.0));
+            for method in
+                ["solver.method=adding", "solver.method=monte-carlo"].into_iter().take(1 + usize::from(walks))
+            {
                 let scene = display(stack, &[&set[..], &[method]].concat());
                 let found = spectra(&scene);
                 for (view, (theta_deg, phi_deg)) in scene.viewer.directions().enumerate() {

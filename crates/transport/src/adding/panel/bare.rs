@@ -29,8 +29,7 @@ pub(super) struct Kernel {
     lights: Vec<Light>,
     /// Direction cosines of the light of lamps.
     centres: Vec<Option<Beta>>,
-    /// Whether its pixel is computed for each direction.
-    is_exact: bool,
+    is_polarising: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -61,9 +60,9 @@ struct Fate {
     unaccounted: StateSpectra,
 }
 
-/// Returns whether the pixel is computed for each direction, without a table that has structure of its own.
-fn is_exact(stack: &Panel) -> bool {
-    stack.mueller.as_ref().is_some_and(|mueller| mueller.is_exact())
+/// Returns whether the pixel changes polarisation: it takes long in each direction, and is smooth where its table has few nodes.
+fn is_polarising(stack: &Panel) -> bool {
+    stack.mueller.is_some()
 }
 
 impl Kernel {
@@ -71,7 +70,7 @@ impl Kernel {
     pub(super) fn new(stack: &Panel, views: &[Cone], sources: &[Source], digits: f64) -> Self {
         let view = |cone: &Cone| {
             let across = stack.base.nodes_across(cone, &stack.medium);
-            let rings = if is_exact(stack) { 1 } else { (digits / 2.5) as usize };
+            let rings = if is_polarising(stack) { 1 } else { (digits / 2.5) as usize };
             View {
                 cone: *cone,
                 across,
@@ -88,7 +87,7 @@ impl Kernel {
         Self {
             digits,
             views: views.iter().map(view).collect(),
-            is_exact: is_exact(stack),
+            is_polarising: is_polarising(stack),
             lights: sources.iter().map(light).collect(),
             centres: sources.iter().map(Source::direction).collect(),
         }
@@ -97,7 +96,7 @@ impl Kernel {
     /// Returns whether its points can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
         let across = |view: &View| stack.base.nodes_across(&view.cone, &stack.medium);
-        self.is_exact == is_exact(stack) && self.views.iter().all(|view| view.across == across(view))
+        self.is_polarising == is_polarising(stack) && self.views.iter().all(|view| view.across == across(view))
     }
 
     pub(super) fn nodes(&self) -> usize {
