@@ -198,6 +198,24 @@ fn wrong_fits_are_refused_at_their_places() {
             "the mean of the prior, 400, is outside the bounds",
         ),
         ("key = \"title\"\nbounds = [150, 300]", "`title` is not a number"),
+        (
+            "key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]\nprior = { mean = 200, sigma = 1e-9 }",
+            "the prior holds the value",
+        ),
+        ("key = \"spectrum.range_nm\"\nbounds = [150, 300]", "is a list in this scenario"),
+        (
+            "key = \"display.pixel.film.2.thickness_nm\"\nbounds = [150, 300]",
+            "`display.pixel.film` has no item 2: its items are 0 to 1",
+        ),
+        (
+            "key = \"display.front.0.reflectance\"\nbounds = [0, 0.1]",
+            "`display.front` has no item 0: it has none",
+        ),
+        ("key = \"display.frnt.0.reflectance\"\nbounds = [0, 0.1]", "there is no key `frnt` here"),
+        (
+            "key = \"display.pixel.film.1.material.k_scale\"\nbounds = [0.5, 2]",
+            "write material = { material = \"air\", k_scale = 1 }",
+        ),
     ] {
         let text = match wrong {
             "" => SMALL.split("[fit]").next().unwrap().to_owned(),
