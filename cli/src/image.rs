@@ -8,6 +8,7 @@ use papilio_display::image::{
     ScreenSpace, ScreenWhite, Sharpness, SourceImage, image,
 };
 use papilio_display::palette::{PaletteColour, bytes};
+use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError, LightSummary};
 use papilio_formats::panel::write_states_png;
 use papilio_formats::{ImageFile, TitledFile, device_colour, write_file, write_rgb_png, write_scene_exr};
@@ -80,14 +81,18 @@ impl<'a> Request<'a> {
         let part =
             |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + self.rooms.len()) as f64);
         let scene = &self.resolved.scene;
-        let mut here = control.within(part(0), |control| image(scene, source, &settings, screen, control))?;
+        let shown = |scene: &Scene, settings: &ImageSettings, part: [f64; 2], control: &Control<'_>| {
+            let mut shown =
+                control.within(part, |control| image(scene, source, settings, screen, control))?;
+            shown.forget_targets();
+            Ok::<_, DisplayError>(shown)
+        };
+        let mut here = shown(scene, &settings, part(0), control)?;
         // The panel holds its states while the light changes.
         let given = (!here.states.is_empty()).then(|| here.states.clone());
         let held = ImageSettings { given, ..settings.clone() };
         let there = |(number, (name, room)): (usize, &(String, Resolved))| {
-            let seen = control
-                .within(part(number + 1), |control| image(&room.scene, source, &held, screen, control))?;
-            Ok((name.clone(), seen))
+            Ok((name.clone(), shown(&room.scene, &held, part(number + 1), control)?))
         };
         let rooms = self
             .rooms

@@ -15,8 +15,8 @@ use crate::progress::FractionBar;
 use crate::{Failure, interrupt, output, print_message};
 
 pub(crate) fn validate(arguments: &Validate) -> Result<(), Failure> {
-    if let Some(name) = &arguments.measured {
-        return measured::run(arguments, name.as_deref());
+    if let Some(names) = &arguments.measured {
+        return measured::run(arguments, names);
     }
     let folder = arguments.out.clone().unwrap_or_else(|| PathBuf::from("out/validate"));
     output::check(&folder)?;

@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 31] = [
+const PICTURES: [Picture; 32] = [
     (
         &["run"],
         "indoor.toml",
@@ -55,6 +55,7 @@ const PICTURES: [Picture; 31] = [
         "filter-",
     ),
     (&["sweep"], "printed-filter.toml", &["sweep_patch_gamut_percent_srgb.svg"], "printed-filter-"),
+    (&["sweep"], "lcd-sunglasses.toml", &["sweep_white.Y.svg"], "lcd-sunglasses-"),
     (&["gonio"], "../surfaces/prisms.toml", &["azimuths.svg"], "prisms-"),
     (&["sparkle"], "antiglare.toml", &["sparkle.svg"], "antiglare-"),
     (&["palette", "--rooms=D65,FL11"], "six-ink.toml", &["palette.svg"], "inks-"),

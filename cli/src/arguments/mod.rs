@@ -105,9 +105,9 @@ pub(crate) struct Run {
 
 #[derive(Debug, Args)]
 pub(crate) struct Validate {
-    /// Predict samples that others measured instead: all, one by its name, or those of a list of one's own (.toml)
-    #[arg(long, value_name = "NAME", num_args = 0..=1)]
-    pub(crate) measured: Option<Option<String>>,
+    /// Predict samples that others measured instead: all, one by its name, or those of a list of one's own (.toml), or one of them
+    #[arg(long, value_name = "NAME", num_args = 0..=2)]
+    pub(crate) measured: Option<Vec<String>>,
     /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long, requires = "measured")]
     pub(crate) json: bool,

@@ -8,16 +8,23 @@ use papilio_display::{Control, DisplayError};
 use papilio_formats::{DataFile, write_file, write_json};
 use papilio_reproduction::ReproductionError;
 use papilio_reproduction::samples::{
-    Prediction, SampleList, SampleReport, figures, in_words, predict, report,
+    Prediction, SampleList, SampleReport, figures, in_numbers, in_words, predict, report,
 };
 
 use crate::arguments::Validate;
 use crate::progress::FractionBar;
 use crate::{Failure, interrupt, output, print_message};
 
-/// Predicts the samples of this name, or of a list of one's own; all shipped ones without a name. Samples that
+/// Predicts the samples of this name, or of a list of one's own, or one of them; all shipped ones without a name. Samples that
 /// cannot be predicted do not stop the others.
-pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Validate, names: &[String]) -> Result<(), Failure> {
+    let (name, of_list) = (names.first().map(String::as_str), names.get(1));
+    if let (Some(name), Some(of_list)) = (name.filter(|name| !is_list(name)), of_list) {
+        let reason = format!(
+            "`{name}` and `{of_list}`: expected one sample, or a list of samples (.toml) and one of them"
+        );
+        return Err(Failure::Input(reason));
+    }
     let folder = folder(arguments, name);
     if let Some(folder) = &folder {
         output::check(folder)?;
@@ -32,7 +39,9 @@ pub(super) fn run(arguments: &Validate, name: Option<&str>) -> Result<(), Failur
             let text = DataFile::open(Path::new(path), path)?.bytes;
             let text = String::from_utf8_lossy(&text);
             let files = Path::new(path).parent().unwrap_or(Path::new("")).to_owned();
-            (SampleList::parse(&text, path).map_err(in_list)?, files)
+            let list = SampleList::parse(&text, path).map_err(in_list)?;
+            let list = of_list.map_or(Ok(list.clone()), |name| list.only(name)).map_err(in_list)?;
+            (list, files)
         }
         _ => {
             let all = SampleList::shipped(&shipped)?;
@@ -169,6 +178,8 @@ fn text(samples: &[Prediction]) -> String {
             "\n{}: {}\n  {} ({})\n  inputs: {}\n",
             sample.name, sample.title, sample.source, sample.licence, sample.inputs
         ));
+        text.push_str(&format!("  verdict: {}{}\n", in_words(sample.verdict), in_numbers(sample)));
+        sample.not_compared.iter().for_each(|reason| text.push_str(&format!("  not compared: {reason}\n")));
         if !sample.unknowns.is_empty() {
             text.push_str(&format!("  not printed: {}\n", sample.unknowns.join("; ")));
         }

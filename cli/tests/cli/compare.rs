@@ -172,6 +172,36 @@ fn metrics_that_the_scenario_cannot_have_are_named() {
     assert!(said.contains(named) && said.contains("metrics.csv:3:1"), "{said}");
 }
 
+/// A metric of a state that the display does not have, and one of a measurement beside the view, are named as such.
+#[test]
+fn other_states_and_directions_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = folder.path().join("metrics.csv");
+    fs::write(&measured, "metric,theta_deg,value\ncontrast_ratio,8.9,10\nWhite.Y,8,0.2\n").unwrap();
+    let colours = folder.path().join("white.csv");
+    fs::write(&colours, "state,theta_deg,X,Y,Z\nwhite,8.9,0.2,0.2,0.2\nblack,8,0.02,0.02,0.02\n").unwrap();
+    let output = compare(&shipped("overcast.toml"), &measured, &[&colours, Path::new("--json")]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("the result has no such state: White.Y at theta 8 deg"), "{said}");
+    let beside = "measured beside the view of 8 deg with which it is compared (viewer.theta_deg sets the view): contrast_ratio, white at \
+                  theta 8.9 deg";
+    assert!(said.contains(beside), "{said}");
+}
+
+/// Sparkle of several faces has no one value to compare.
+#[test]
+fn metric_of_several_faces_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = folder.path().join("metrics.csv");
+    fs::write(&measured, "metric,value\nppd,0.05\n").unwrap();
+    let output = compare(&shipped("antiglare.toml"), &measured, &[Path::new("--json")]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("`ppd` is of one face and one gap, and [sparkle] has 3"), "{said}");
+    assert!(said.contains("--set sparkle.correlation_um=8"), "{said}");
+}
+
 /// The tables of a run, read as a measurement, differ from the run by rounding only.
 #[test]
 fn tables_of_a_run_compare_as_equal() {

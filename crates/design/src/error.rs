@@ -21,6 +21,20 @@ pub enum DesignError {
         /// Name of the metric.
         metric: String,
     },
+    /// A metric of sparkle of several faces or gaps.
+    #[error(
+        "`{metric}` is of one face and one gap, and [sparkle] has {count}\n  = help: choose one, for example --set sparkle.{key}={first}"
+    )]
+    SeveralFaces {
+        /// Name of the metric.
+        metric: String,
+        /// Number of the faces or gaps.
+        count: usize,
+        /// Key of the list.
+        key: &'static str,
+        /// Its first value.
+        first: f64,
+    },
     /// A measured metric that the scenario does not describe.
     #[error("{error}\n  = note: the measured metric `{metric}` (of `papilio {command}`) needs it: {place}")]
     MeasuredMetric {

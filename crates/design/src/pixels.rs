@@ -3,7 +3,7 @@
 use papilio_display::gloss::gloss_of;
 use papilio_display::image::{Screen, image};
 use papilio_display::scene::MetricSource;
-use papilio_display::spatial::{crosstalk, mtf, sparkle};
+use papilio_display::spatial::{Antiglare, Face, crosstalk, mtf, sparkle};
 use papilio_display::{Control, Quantity};
 use papilio_scenario::Resolved;
 
@@ -29,7 +29,10 @@ pub(crate) fn quantities(
     let of_sparkle = quantities.iter().find(|quantity| quantity.source() == MetricSource::Sparkle);
     let sparkle = match (of_sparkle, &resolved.sparkle) {
         (None, _) => None,
-        (Some(_), Some(face)) => Some(sparkle(scene, face, control)?),
+        (Some(quantity), Some(face)) => {
+            of_one_face(quantity, face)?;
+            Some(sparkle(scene, face, control)?)
+        }
         (Some(quantity), None) => return Err(DesignError::NoFace { metric: quantity.name().to_owned() }),
     };
     let picture = match &resolved.image {
@@ -56,4 +59,18 @@ pub(crate) fn quantities(
         MetricSource::Image => picture.as_ref().map(|found| quantity.of_image(found)).unwrap_or_default(),
     };
     Ok(quantities.iter().map(of).collect())
+}
+
+/// Refuses a metric of sparkle of several faces or gaps: it would be that of the first.
+fn of_one_face(quantity: &Quantity, antiglare: &Antiglare) -> Result<(), DesignError> {
+    let error = |key, count, first| {
+        Err(DesignError::SeveralFaces { metric: quantity.name().to_owned(), count, key, first })
+    };
+    match (&antiglare.faces[..], &antiglare.gap_mm[..]) {
+        ([Face::Gaussian(first), _, ..], _) => {
+            error("correlation_um", antiglare.faces.len(), 1e3 * first.correlation_mm)
+        }
+        (_, [first, _, ..]) => error("gap_mm", antiglare.gap_mm.len(), *first),
+        _ => Ok(()),
+    }
 }

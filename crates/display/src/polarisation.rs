@@ -9,6 +9,9 @@
 //!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
 //!
+//! - above a liquid crystal, below flat faces and components alone, the whole coherency matrix of light is followed ([`is_whole`],
+//!   [`Mueller`](papilio_transport::Mueller)).
+//!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face; sheets, given by their reflectance, are the same for both.
 
@@ -19,6 +22,7 @@ use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
     Base, FlatRun, Interface, Layer, PolarisedLight, PolarisedTop as Top, PolarisedView, Source, Stack,
+    WholeView,
 };
 
 use crate::DisplayError;
@@ -61,17 +65,32 @@ impl Asked {
         };
         let why = if !is_followed(scene) {
             "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
-        } else if matches!(scene.display.pixel, Pixel::Crystal(_)) {
-            "another pixel: that of a liquid crystal is computed for unpolarised light"
+        } else if matches!(scene.display.pixel, Pixel::Crystal(_)) && !is_whole(scene) && is_flat_above(scene)
+        {
+            "one flat face and components in air above a liquid crystal (or a scatterer): between several layers its light counts as unpolarised"
         } else if scene.display.filter().is_some() {
             "a display without a colour filter above its pixels: light with its places counts as unpolarised"
-        } else if self.polariser_deg.is_some_and(is_oblique) && self.vibrations.iter().flatten().any(mixes) {
+        } else if !is_whole(scene)
+            && self.polariser_deg.is_some_and(is_oblique)
+            && self.vibrations.iter().flatten().any(mixes)
+        {
             "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of \
              polarised light depends on their phases, which are not followed"
         } else {
             return Ok(self);
         };
         Err(DisplayError::Polarised { key: self.key, needs: why })
+    }
+
+    /// Vibrations of the sources of a scene. Along the normal, the plane of incidence is that of the azimuth of a lamp.
+    fn vibrations_of(&self, scene: &Scene) -> Vec<Option<Vibration>> {
+        let mut all = self.vibrations.clone();
+        for (vibration, lamp) in all[1..].iter_mut().zip(&scene.lighting.directed) {
+            if let (Some(Vibration::Fixed { angle, .. }), 0.0) = (vibration, lamp.theta_deg) {
+                *angle += lamp.phi_deg.to_radians();
+            }
+        }
+        all
     }
 
     /// Weights of s and p in what is seen of unpolarised light.
@@ -168,6 +187,13 @@ pub(crate) fn view(
 ) -> Result<Option<PolarisedView>, DisplayError> {
     let Some(asked) = Asked::of(scene) else { return Ok(None) };
     let asked = asked.check(scene)?;
+    if is_whole(scene) {
+        let polariser = asked.polariser_deg.map(f64::to_radians);
+        return Ok(Some(PolarisedView {
+            whole: Some(WholeView { polariser, vibrations: asked.vibrations_of(scene) }),
+            ..PolarisedView::default()
+        }));
+    }
     let is_kept = weights(scene)?.is_some();
     let top = if is_kept { None } else { top(scene, stack, asked.weights())? };
     let visible = visible(scene);
@@ -178,7 +204,11 @@ pub(crate) fn view(
             false => PolarisedLight::above(source, vibration, top.as_ref(), &visible),
         }
     };
-    Ok(Some(PolarisedView { lights: sources.iter().zip(&asked.vibrations).map(of).collect(), top }))
+    Ok(Some(PolarisedView {
+        lights: sources.iter().zip(&asked.vibrations).map(of).collect(),
+        top,
+        whole: None,
+    }))
 }
 
 /// Returns notes on what is polarised.
@@ -195,6 +225,9 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
             "seen through a polariser ({which}): luminances and X, Y, Z do not contain the half that it takes from \
              unpolarised light; the perfect white is seen through it, too"
         ));
+    }
+    if is_whole(scene) {
+        return notes;
     }
     let is_flat = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
     if !is_flat && Meetings::within(scene, top_layers(scene)).polarising == 0 {
@@ -309,10 +342,26 @@ fn is_flat_paper(scene: &Scene) -> bool {
     let display = &scene.display;
     let is_paper =
         matches!(&display.pixel, Pixel::Uniform(UniformPixel { kind: UniformKind::Lambertian, .. }));
-    is_paper
+    is_paper && display.filter().is_none() && display.panel().is_none() && is_flat_above(scene)
+}
+
+/// Returns whether the pixel is a liquid crystal below flat faces and components alone, so that polarised light is followed to the end.
+pub(crate) fn is_whole(scene: &Scene) -> bool {
+    let display = &scene.display;
+    matches!(display.pixel, Pixel::Crystal(_))
+        && display.is_bare()
         && display.filter().is_none()
-        && display.panel().is_none()
-        && flat_from(scene, 0) == (0..display.layers.len(), true)
+        && is_followed(scene)
+}
+
+/// Returns whether, in addition, anything else than the pixel is polarised.
+pub(crate) fn needs_whole(scene: &Scene) -> bool {
+    is_whole(scene) && Asked::of(scene).is_some()
+}
+
+/// Returns whether all layers are flat.
+fn is_flat_above(scene: &Scene) -> bool {
+    flat_from(scene, 0) == (0..scene.display.layers.len(), true)
 }
 
 /// True if the solver follows s and p.

@@ -215,6 +215,9 @@ impl Setup {
     /// Refuses layers that change the azimuth of light above a pixel that depends on it: the pixel may be older than the layers.
     fn checked(self) -> Result<Self, DisplayError> {
         let is_bare = self.scene.display.is_bare() && self.scene.display.filter().is_none();
+        if polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
+            return Err(DisplayError::CrystalFringes);
+        }
         if is_bare || !self.stack.base().is_azimuthal() { Ok(self) } else { Err(pixel::AZIMUTH_BELOW_LAYERS) }
     }
 
@@ -257,7 +260,10 @@ impl Setup {
             != (last.solver.angle_medium, last.solver.approximation);
         let weights = polarisation::weights(scene)?;
         let apart = polarisation::reaches_pixel(scene)?;
-        let weights_changed = apart != self.stack.polarised_bases().is_some()
+        let is_whole = polarisation::is_whole(scene);
+        let weights_changed = is_whole != polarisation::is_whole(&last)
+            || is_whole && pixel::has_few_directions(scene) != pixel::has_few_directions(&last)
+            || apart != self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {
             return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
@@ -277,6 +283,7 @@ impl Setup {
             let bases = Bases {
                 mean: self.stack.base().clone(),
                 polarised: self.stack.polarised_bases().map(|both| both.map(Base::clone)),
+                mueller: self.stack.mueller().cloned(),
             };
             let made = Some((&last.display.layers[..], self.stack.layers()));
             self.stack = stack(scene, bases, made, control)?;
@@ -366,8 +373,10 @@ impl Setup {
     /// Computes the reflectance of each state of the pixel alone in the direction of a view,
     /// `[state][wavelength]`; returns false if the pixel is not specular.
     pub(crate) fn pixel_alone(&self, base: &Base, at: &ViewPoint, out: &mut [f64]) -> bool {
-        if base.is_specular() {
-            let beta = at.field.axis_towards();
+        let beta = at.field.axis_towards();
+        if let Some(mueller) = self.stack.mueller() {
+            mueller.reflectance(beta, &medium(&self.scene), out);
+        } else if base.is_specular() {
             base.reflectance_towards(beta, &medium(&self.scene), out);
         }
         base.is_specular()
@@ -395,13 +404,14 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 /// Replaces the pixel below the layers of a stack.
 pub(crate) fn replace_bases(stack: &mut Stack, bases: Bases) {
     stack.set_base(bases.mean);
+    stack.set_mueller(bases.mueller);
     let both = stack.polarised_bases_mut().into_iter().flatten();
     both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| *one = base);
 }
 
 fn stack(
     scene: &Scene,
-    Bases { mean, polarised }: Bases,
+    Bases { mean, polarised, mueller }: Bases,
     before: Option<Made<'_>>,
     control: &Control<'_>,
 ) -> Result<Stack, DisplayError> {
@@ -413,6 +423,7 @@ fn stack(
     let stack = Stack::approximated(layers, mean, approximation);
     let stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
     let mut stack = polarisation::kept(scene, stack, polarised)?;
+    stack.set_mueller(mueller);
     stack.set_thickness_mm(&thickness_mm(scene));
     Ok(stack)
 }

@@ -152,6 +152,9 @@ fn read_table(table: Table<'_>) -> Result<Warned<Dispersion>, FormatError> {
             (Column::at(0, &WAVELENGTH), Index::Parts(Column::at(1, &N), k), count, expected)
         }
     };
+    if matches!(index, Index::Parts(_, None)) {
+        notes.push("the table has no column of k: the material absorbs nothing (k = 0)".to_owned());
+    }
     let value = tabulated(table, &found.rows, (nm, &index), (count, expected))?;
     Ok(Warned { value, warnings: notes })
 }

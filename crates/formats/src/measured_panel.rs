@@ -48,6 +48,11 @@ pub fn read_measured_panel(file: &DataFile) -> Result<Warned<Vec<Measured>>, For
             "the colours of the file are those of the 10 deg observer: compare them with a scenario of metrics.observer = \"1964\"".to_owned(),
         );
     }
+    if let Some(illuminant) = read.illuminant.filter(|_| has_colours) {
+        read.notes.push(format!(
+            "the colours of the file are those in {illuminant}: compare them with a display in {illuminant}"
+        ));
+    }
     let measured = |State { name, theta_deg, phi_deg, value, deviation }: State| Measured {
         state: name,
         theta_deg,

@@ -55,6 +55,8 @@ pub(crate) struct States {
     pub(crate) states: Vec<State>,
     /// Observer of the colours, if the file states it.
     pub(crate) observer: Option<Standard>,
+    /// Illuminant of the colours, if the file states it.
+    pub(crate) illuminant: Option<String>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -132,8 +134,12 @@ impl Point {
                 self.xyz = Some([x?, y?, z?]);
             }
             Values::Lab([l, a, b]) => {
-                let lightness = if accept.xyz { (0.0, 1e3) } else { (0.0, 100.0) };
-                let l = l.number_within(row, "L*", lightness, "a lightness from 0 to 100")?;
+                // Above 100 what reflects more than a perfect white.
+                let (lightness, expected) = match accept.xyz {
+                    true => ((0.0, 1e3), "a lightness from 0 to 1000, where 100 is a perfect white"),
+                    false => ((0.0, 100.0), "a lightness from 0 to 100"),
+                };
+                let l = l.number_within(row, "L*", lightness, expected)?;
                 let expected = "a number from -200 to 200";
                 let a = a.number_within(row, "a*", (-200.0, 200.0), expected)?;
                 self.lab = Some([l, a, b.number_within(row, "b*", (-200.0, 200.0), expected)?]);
@@ -149,6 +155,8 @@ struct Points {
     notes: Vec<String>,
     /// Observer of the colours, if the file states it.
     observer: Option<Standard>,
+    /// Illuminant of the colours, if the file states it.
+    illuminant: Option<String>,
 }
 
 static ACCEPTED: [&Quantity; 12] = [
@@ -199,6 +207,31 @@ impl Values {
     }
 }
 
+impl Values {
+    /// Returns a note on the columns of other values of the states than these.
+    fn unused(&self, header: &Header) -> Option<String> {
+        let (used, read): (&[&Quantity], _) = match self {
+            Self::Spectrum(..) => (&[&WAVELENGTH, &REFLECTANCE], "the spectra are read"),
+            Self::Xyz(_) => (&[&X, &Y, &Z], "X, Y, Z are read"),
+            Self::Lab(_) => (&[&L_STAR, &A_STAR, &B_STAR], "L*, a*, b* are read"),
+            Self::Columns(..) => return None,
+        };
+        let is_in =
+            |all: &[&Quantity], one: &Column| all.iter().any(|other| std::ptr::eq(*other, one.quantity));
+        let all = [&WAVELENGTH, &REFLECTANCE, &X, &Y, &Z, &L_STAR, &A_STAR, &B_STAR];
+        let others = header.columns.iter().filter(|one| is_in(&all, one) && !is_in(used, one));
+        let names: Vec<&str> = others.map(|one| header.names[one.cell].trim()).collect();
+        let are = if names.len() == 1 { "is" } else { "are" };
+        (!names.is_empty()).then(|| {
+            format!(
+                "the column{} {} {are} not used: {read}",
+                if names.len() == 1 { "" } else { "s" },
+                names.join(", ")
+            )
+        })
+    }
+}
+
 /// Returns the columns that are not angles or wavelengths, with their names without units.
 fn state_columns(header: &Header) -> Vec<(Column, String)> {
     let of_known = header.columns.iter().filter(|column| {
@@ -239,6 +272,7 @@ impl Points {
         let values = Values::of(&header, accept).ok_or_else(|| head.error(accept.header.clone()))?;
         if !matches!(values, Values::Columns(..)) && !is_own(&head) {
             header.note_others();
+            header.notes.extend(values.unused(&header));
         }
         if let (Values::Columns(_, states), Some(deviation)) = (&values, header.get(&STANDARD_DEVIATION))
             && states.len() > 1
@@ -249,7 +283,7 @@ impl Points {
             return Err(head.cell_error(deviation.cell, wrong.into()));
         }
         let notes = std::mem::take(&mut header.notes);
-        let mut points = Self { all: Vec::new(), notes, observer: None };
+        let mut points = Self { all: Vec::new(), notes, observer: None, illuminant: None };
         let mut by_name = HashMap::new();
         for row in &rows {
             points.push(&header, &values, row, (accept, &mut by_name))?;
@@ -362,7 +396,7 @@ impl Points {
             ..Point::new(sample.name, sample.at)
         };
         let all = read.samples.into_iter().map(point).collect();
-        Ok(Self { all, notes: read.notes, observer: read.observer })
+        Ok(Self { all, notes: read.notes, observer: read.observer, illuminant: read.illuminant })
     }
 
     /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns
@@ -409,10 +443,17 @@ impl Points {
             return Err(FormatError { place: Place::whole(&file.name), problem: accept.empty.clone() });
         }
         let (mut states, mut noise) = (Vec::new(), 0);
-        let mut names: HashSet<(&str, Option<u64>, u64)> = HashSet::new();
+        // Names of states of a panel that differ in capital letters alone are one state.
+        let in_small = |name: &str| if accept.xyz { name.to_lowercase() } else { name.to_owned() };
+        let mut names: HashSet<(String, Option<u64>, u64)> = HashSet::new();
         for point in &self.all {
             let fault = |at: &Range<usize>, problem| Err(error(at, &point.name, problem));
-            let key = (point.name.as_str(), point.theta_deg.map(f64::to_bits), point.phi_deg.to_bits());
+            let key = (in_small(&point.name), point.theta_deg.map(f64::to_bits), point.phi_deg.to_bits());
+            if point.name.is_empty() {
+                let wrong =
+                    Diagnostic::new("this sample has no name").expected("the name of a state of the display");
+                return fault(&point.at, wrong.into());
+            }
             if !is_name(&point.name) {
                 return fault(&point.at, Problem::BadName);
             }
@@ -455,7 +496,7 @@ impl Points {
         if noise > 0 {
             self.notes.push(format!("{noise} small negative reflectances are taken as 0 (noise)"));
         }
-        Ok(States { states, notes: self.notes, observer: self.observer })
+        Ok(States { states, notes: self.notes, observer: self.observer, illuminant: self.illuminant })
     }
 }
 

@@ -14,27 +14,47 @@
 use crate::ImagingError;
 use crate::halftone::check_rows;
 
-/// The base of a picture of single numbers; not finite ones count as 0.
+/// The base of a picture of single numbers; not finite ones count as 0. The result does not depend on the number of threads, of
+/// which two are used.
 ///
 /// # Errors
 /// If the number of pixels is not a multiple of `columns`.
-pub fn guided(values: &[f32], columns: usize, radius: usize, epsilon: f64) -> Result<Vec<f32>, ImagingError> {
+pub fn guided(
+    values: &[f32],
+    columns: usize,
+    (radius, epsilon): (usize, f64),
+    threads: usize,
+) -> Result<Vec<f32>, ImagingError> {
     check_rows(values.len(), columns)?;
     let finite = |value: &f32| if value.is_finite() { *value } else { 0.0 };
     // Sums have double precision, planes single.
     let means = |values: Vec<f32>| means_of(values, columns, radius, |mean| mean as f32);
-    let mut offset = means(values.iter().map(finite).collect());
-    let mut slope = means(values.iter().map(|value| finite(value) * finite(value)).collect());
+    let (mut offset, mut slope) = both(
+        threads,
+        || means(values.iter().map(finite).collect()),
+        || means(values.iter().map(|value| finite(value) * finite(value)).collect()),
+    );
     for (slope, mean) in slope.iter_mut().zip(&mut offset) {
         let variance = (f64::from(*slope) - f64::from(*mean) * f64::from(*mean)).max(0.0);
         *slope = if variance > 0.0 { (variance / (variance + epsilon)) as f32 } else { 0.0 };
         *mean *= 1.0 - *slope;
     }
-    let (slope, mut base) = (means(slope), means(offset));
+    let (mut base, slope) = both(threads, || means(offset), || means(slope));
     for ((base, slope), value) in base.iter_mut().zip(slope).zip(values) {
         *base += slope * finite(value);
     }
     Ok(base)
+}
+
+/// The results of two functions, at the same time if there are several threads.
+fn both<T: Send>(threads: usize, one: impl FnOnce() -> T, other: impl FnOnce() -> T + Send) -> (T, T) {
+    if threads < 2 {
+        return (one(), other());
+    }
+    std::thread::scope(|scope| {
+        let other = scope.spawn(other);
+        (one(), other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
 }
 
 /// Mean of the values in the square window about each pixel, which ends at the borders; of whole rows.
@@ -119,7 +139,8 @@ mod tests {
         let mut dice = Dice::new(3, 0);
         for (columns, rows, radius) in [(11, 8, 2), (5, 7, 9), (1, 6, 1)] {
             let values: Vec<f32> = (0..columns * rows).map(|_| dice.throw() as f32).collect();
-            let found = guided(&values, columns, radius, 0.02).unwrap();
+            let found = guided(&values, columns, (radius, 0.02), 1).unwrap();
+            assert_eq!(guided(&values, columns, (radius, 0.02), 2).unwrap(), found);
             for (ours, theirs) in found.iter().zip(defined(&values, columns, radius, 0.02)) {
                 assert!((f64::from(*ours) - theirs).abs() < 1e-6, "{columns} {radius}: {ours} {theirs}");
             }
@@ -130,10 +151,10 @@ mod tests {
     fn guided_filter_keeps_edges_and_smooths_what_is_small() {
         let step = |k: usize| if k % 64 < 32 { 0.1_f32 } else { 0.9 };
         let values: Vec<f32> = (0..64 * 64).map(|k| step(k) + 0.02 * ((k % 2) as f32 - 0.5)).collect();
-        let found = guided(&values, 64, 4, 0.01).unwrap();
+        let found = guided(&values, 64, (4, 0.01), 2).unwrap();
         let (at, away) = (20 * 64 + 31, 20 * 64 + 8);
         assert!((found[at] - 0.1).abs() < 0.04 && (found[at + 1] - 0.9).abs() < 0.04, "{found:?}");
         assert!((found[away] - found[away + 1]).abs() < 1e-3);
-        assert!(guided(&values, 0, 4, 0.01).is_err());
+        assert!(guided(&values, 0, (4, 0.01), 1).is_err());
     }
 }

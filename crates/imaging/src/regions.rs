@@ -79,23 +79,39 @@ impl<'a> Areas<'a> {
 
     /// Whether each pixel belongs to a flat area.
     fn flat(&self) -> Vec<bool> {
-        let mut counts = vec![0_u32; self.first.len()];
+        let mut areas = vec![0_u32; self.first.len()];
         for (first, _) in self.first.iter().zip(&self.inner).filter(|(_, inner)| **inner) {
-            counts[*first as usize] += 1;
+            areas[*first as usize] += 1;
         }
-        // Soft and hard steps at the borders of areas that are large enough.
-        let mut steps = vec![[0_u32; 2]; self.first.len()];
+        // Areas that are large enough are few: they have numbers from 1 on, and the others 0.
+        let mut count = 0;
+        for area in &mut areas {
+            let is_large = *area >= LEAST_INNER;
+            count += u32::from(is_large);
+            *area = if is_large { count } else { 0 };
+        }
+        if count == 0 {
+            return vec![false; self.first.len()];
+        }
+        // Soft and hard steps at their borders.
+        let mut steps = vec![[0_u32; 2]; count as usize + 1];
         for (at, step) in pairs(self.first.len(), self.columns) {
-            let areas = [at, at + step].map(|at| self.first[at] as usize);
-            if areas[0] != areas[1] && areas.iter().any(|area| counts[*area] >= LEAST_INNER) {
-                let [one, other] = [at, at + step].map(|at| self.colours[at]);
-                let largest = one.iter().zip(other).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
-                areas.iter().for_each(|area| steps[*area][usize::from(largest > SOFT)] += 1);
+            let [one, other] = [at, at + step].map(|at| self.first[at]);
+            if one != other {
+                let [one, other] = [one, other].map(|first| areas[first as usize]);
+                if one.max(other) > 0 {
+                    let [here, there] = [at, at + step].map(|at| self.colours[at]);
+                    let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
+                    [one, other]
+                        .iter()
+                        .for_each(|area| steps[*area as usize][usize::from(largest > SOFT)] += 1);
+                }
             }
         }
         let is_flat = |first: &u32| {
-            let [soft, hard] = steps[*first as usize].map(f64::from);
-            counts[*first as usize] >= LEAST_INNER && soft <= SOFT_PART * (soft + hard)
+            let area = areas[*first as usize] as usize;
+            let [soft, hard] = steps[area].map(f64::from);
+            area > 0 && soft <= SOFT_PART * (soft + hard)
         };
         self.first.iter().map(is_flat).collect()
     }
@@ -110,10 +126,12 @@ fn large(first: &[u32], least: usize) -> Vec<bool> {
 
 /// Pixels and the step to their right or lower neighbour.
 fn pairs(pixels: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..pixels).flat_map(move |at| {
-        let right = (at % columns + 1 < columns).then_some((at, 1));
-        let down = (at + columns < pixels).then_some((at, columns));
-        right.into_iter().chain(down)
+    (0..pixels / columns).flat_map(move |row| {
+        (row * columns..(row + 1) * columns).flat_map(move |at| {
+            let right = (at + 1 < (row + 1) * columns).then_some((at, 1));
+            let down = (at + columns < pixels).then_some((at, columns));
+            right.into_iter().chain(down)
+        })
     })
 }
 

@@ -40,6 +40,8 @@ fn panel() -> Panel {
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() },
         gaps_mm: vec![0.5],
         single_pass: false,
+        mueller: None,
+        whole: None,
     }
 }
 

@@ -2,10 +2,12 @@
 //! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the
 //! rule of [`PanelParts::recognised`].
 
+use std::sync::Arc;
+
 use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
-use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium};
+use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium, Mueller, WholeView};
 
 /// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
 #[derive(Debug, Clone)]
@@ -24,6 +26,10 @@ pub struct Panel {
     pub base: Base,
     /// Whether light is followed through a single pass of the panel only (Feng 2012, eq. 3-5).
     pub single_pass: bool,
+    /// The pixel for polarised light, if it changes polarisation and the top is flat.
+    pub mueller: Option<Arc<Mueller>>,
+    /// What is polarised above it.
+    pub whole: Option<WholeView>,
 }
 
 /// Interface between air and the medium.
@@ -137,6 +143,8 @@ impl Panel {
             gaps_mm: layers.iter().map(|layer| layer.thickness_mm).collect(),
             base,
             single_pass,
+            mueller: None,
+            whole: None,
         }
     }
 }

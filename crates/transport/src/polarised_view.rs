@@ -23,6 +23,7 @@ use crate::front::Flat;
 use crate::layers::{FlatRun, Incidence};
 use crate::light::cone_points::{Point, cone_points, smooth_at};
 use crate::light::images::{Mirror, image_points};
+use crate::mueller::WholeView;
 use crate::{Cone, Field, Medium, ReflectanceFactor, Source, Vibration};
 
 /// Accuracy of mirror images, and the scale over which a top changes.
@@ -159,6 +160,8 @@ pub struct PolarisedView {
     pub top: Option<Top>,
     /// By the number of the source.
     pub lights: Vec<Option<PolarisedLight>>,
+    /// The same for a panel whose pixel changes polarisation, instead of both.
+    pub whole: Option<WholeView>,
 }
 
 impl PolarisedView {

@@ -6,6 +6,7 @@ use papilio_spectra::StateSpectra;
 use crate::front::Flat;
 use crate::layers::fresnel_of;
 use crate::light::images::{Mirror, image_points};
+use crate::mueller::Orders;
 use crate::skeleton::{Ray, Skeleton};
 use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
@@ -32,10 +33,26 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
         };
         return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
     }
+    if let Some(orders) = whole.panel().and_then(|panel| Orders::of(panel, beta)) {
+        return orders.seen(None, number, Some(beta));
+    }
     let image = specular_image(stack, beta);
     match stack.polarised_view() {
         Some(view) => view.image(number, source, image),
         None => image,
+    }
+}
+
+/// Returns [`specular_image`] in a view for light of the source of this number, whose centre has these direction cosines.
+pub(crate) fn image_in(
+    stack: &Stack,
+    view: &Cone,
+    (number, centre): (usize, Option<Beta>),
+    beta: Beta,
+) -> ReflectanceFactor {
+    match stack.panel().and_then(|panel| Orders::of(panel, beta)) {
+        Some(orders) => orders.seen(Some(view), number, centre),
+        None => specular_image(stack, beta),
     }
 }
 
@@ -75,6 +92,10 @@ pub(crate) fn layered_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
 
 /// [`specular_image`] of a panel.
 pub(crate) fn panel_image(stack: &Panel, beta: Beta) -> ReflectanceFactor {
+    if let Some(orders) = Orders::of(stack, beta) {
+        // Of no source in particular: unpolarised light.
+        return orders.seen(None, usize::MAX, None);
+    }
     let base = &stack.base;
     let mut flat_top = FlatTop::new(base.bins());
     flat_top.set(stack, beta.squared());
@@ -142,6 +163,8 @@ impl FlatTop {
     }
 
     /// Sets the values for the stack's front and surface at this angle.
+    ///
+    /// Of a pixel that changes polarisation, see [`Orders::set`].
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
         let is_constant = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
         let first = face(stack, beta_squared, 0);

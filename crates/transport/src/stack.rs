@@ -19,7 +19,7 @@ use papilio_spectra::Spectrum;
 use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::MirrorRun;
 use crate::polarised_view::PolarisedView;
-use crate::{Approximation, Base, Interface, Medium, Panel, PanelParts, Reflector, Source};
+use crate::{Approximation, Base, Interface, Medium, Mueller, Panel, PanelParts, Reflector, Source, Top};
 
 /// Layers over a pixel.
 #[derive(Debug, Clone)]
@@ -180,8 +180,24 @@ impl Stack {
         self.in_runs.as_deref().unwrap_or(self)
     }
 
+    /// Sets the pixel of a panel for polarised light, with as many states and wavelengths: a pixel that changes polarisation. Another pixel in its place
+    /// ends that.
+    pub fn set_mueller(&mut self, mueller: Option<Arc<Mueller>>) {
+        if let Form::Panel(panel) = &mut self.form {
+            panel.mueller = mueller.filter(|_| !matches!(panel.top, Top::Diffuser(_)));
+        }
+    }
+
+    /// The pixel of a panel for polarised light.
+    pub fn mueller(&self) -> Option<&Arc<Mueller>> {
+        self.panel()?.mueller.as_ref()
+    }
+
     /// Sets what is polarised: sources are those with these numbers in the lists of kernels and walks.
     pub fn set_polarised_view(&mut self, view: Option<PolarisedView>) {
+        if let Form::Panel(panel) = &mut self.form {
+            panel.whole = view.as_ref().and_then(|view| view.whole.clone());
+        }
         self.polarised_view = view.map(Arc::new);
     }
 
@@ -290,7 +306,10 @@ impl Stack {
 
     fn base_mut(&mut self) -> &mut Base {
         match &mut self.form {
-            Form::Panel(panel) => &mut panel.base,
+            Form::Panel(panel) => {
+                panel.mueller = None;
+                &mut panel.base
+            }
             Form::General(base) => base,
         }
     }

@@ -68,12 +68,6 @@ impl GamutMapping {
         self.xyz(coordinates).filter(|colour| self.hull.contains(*colour))
     }
 
-    /// Whether the colour of coordinates is outside no face of the hull by more than a tolerance, relative to its
-    /// brightest state.
-    pub fn is_nearly_contained(&self, coordinates: [f64; 3], tolerance: f64) -> bool {
-        self.xyz(coordinates).is_some_and(|colour| self.hull.contains_within(colour, tolerance))
-    }
-
     /// The colour of the hull closest to coordinates: the one with the least sum of squared differences in
     /// lightness, in chroma and, with a weight of 9 (4 in a plane), across the hue. Newton's method with the best mixture of
     /// states in each step, which is a convex problem (Wolfe, as for [`nearest`](crate::states::StateHull::nearest)).

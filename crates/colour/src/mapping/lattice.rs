@@ -30,17 +30,14 @@ impl<'a> ClosestLattice<'a> {
         Self { mapping, nodes }
     }
 
-    /// The colour of the hull closest to coordinates, and whether it has these coordinates itself.
-    pub fn closest(&self, target: [f64; 3]) -> (Xyz, bool) {
-        if let Some(colour) = self.mapping.contained(target) {
-            return (colour, true);
-        }
+    /// The colour of the hull closest to coordinates that it does not contain.
+    pub fn closest(&self, target: [f64; 3]) -> Xyz {
         let [lightness, a, b] = target;
         let mut base = [0; 3];
         let mut parts = [0.0; 3];
         for (k, value) in [lightness, a + 0.5, b + 0.5].into_iter().enumerate() {
             if !(0.0..=1.0).contains(&value) {
-                return (self.mapping.closest(target), false);
+                return self.mapping.closest(target);
             }
             base[k] = ((value * STEPS as f64) as usize).min(STEPS - 1);
             parts[k] = value * STEPS as f64 - base[k] as f64;
@@ -53,7 +50,7 @@ impl<'a> ClosestLattice<'a> {
                 sum = sum + self.node([0, 1, 2].map(|k| base[k] + on[k])) * weight;
             }
         }
-        (sum, false)
+        sum
     }
 
     fn node(&self, at: [usize; 3]) -> Xyz {

@@ -1,6 +1,7 @@
 //! CIEDE2000 of many colours in single precision, without trigonometric functions.
 
 use super::lab::{COS_6, COS_30, COS_63, COS_BLUE, SIN_6, SIN_63, SIN_BLUE};
+use super::rows::{LANES, lanes};
 use crate::Lab;
 
 /// Sine of twice the rotation of CIEDE2000, by the tangent of half of the hue beyond blue.
@@ -24,51 +25,54 @@ impl Hues {
         Self { turns: (0..STEPS + 2).map(turn).collect() }
     }
 
-    /// Sine of twice the rotation at a hue, from cosine and sine of its distance from blue.
+    /// Place of a hue in the table, from cosine and sine of its distance from blue.
     #[inline(always)]
-    fn turn(&self, cos: f32, sin: f32) -> f32 {
+    fn place(cos: f32, sin: f32) -> f32 {
         let tangent = sin / (1.0 + cos);
-        let place = ((tangent / FAR + 1.0) * (0.5 * STEPS as f32)).clamp(0.0, STEPS as f32);
+        ((tangent / FAR + 1.0) * (0.5 * STEPS as f32)).clamp(0.0, STEPS as f32)
+    }
+
+    /// Sine of twice the rotation at a place.
+    #[inline(always)]
+    fn turn(&self, place: f32) -> f32 {
         let step = place as usize;
         let (one, other) = (self.turns[step], self.turns[step + 1]);
         one + (place - step as f32) * (other - one)
     }
 }
 
-/// Colours that are computed at once.
-const BLOCK: usize = 64;
-
-/// CIEDE2000 of colours in CIELAB by planes.
+/// CIEDE2000 of colours in CIELAB by planes, whose lengths are multiples of [`LANES`].
 #[inline(always)]
-pub(super) fn delta_e_2000(one: &[Vec<f32>; 3], other: &[Vec<f32>; 3], hues: &Hues, into: &mut [f32]) {
-    for (block, into) in into.chunks_mut(BLOCK).enumerate() {
-        let first = block * BLOCK;
-        let copied = |plane: &Vec<f32>| {
-            let mut values = [1.0_f32; BLOCK];
-            values[..into.len()].copy_from_slice(&plane[first..][..into.len()]);
-            values
-        };
-        let one = [copied(&one[0]), copied(&one[1]), copied(&one[2])];
-        let other = [copied(&other[0]), copied(&other[1]), copied(&other[2])];
-        let parts = parts(&one, &other);
-        for (at, into) in into.iter_mut().enumerate() {
-            let Parts { plain, crossed, cos, sin } = &parts;
-            let lab =
-                |[l, a, b]: &[[f32; BLOCK]; 3]| Lab { l: l[at].into(), a: a[at].into(), b: b[at].into() };
-            let mut square = plain[at];
-            if cos[at].is_nan() {
-                // Grey, or opposite hues, whose mean is a convention.
-                *into = lab(&one).delta_e_2000(lab(&other)) as f32;
-                continue;
+pub(super) fn delta_e_2000(one: [&[f32]; 3], other: [&[f32]; 3], hues: &Hues, into: &mut [f32]) {
+    for (block, into) in into.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+        let at = block * LANES;
+        let one = [lanes(one[0], at), lanes(one[1], at), lanes(one[2], at)];
+        let other = [lanes(other[0], at), lanes(other[1], at), lanes(other[2], at)];
+        let Parts { plain, crossed, cos, sin } = parts(one, other);
+        let (mut blue, mut places) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let from_blue = sin[k] * COS_BLUE as f32 - cos[k] * SIN_BLUE as f32;
+            blue[k] = cos[k] * COS_BLUE as f32 + sin[k] * SIN_BLUE as f32;
+            places[k] = Hues::place(blue[k], from_blue);
+        }
+        let mut turned = [0.0; LANES];
+        for k in 0..LANES {
+            if blue[k] > -0.342_02 {
+                turned[k] = crossed[k] * hues.turn(places[k]);
             }
-            let (blue_cos, blue_sin) = (
-                cos[at] * COS_BLUE as f32 + sin[at] * SIN_BLUE as f32,
-                sin[at] * COS_BLUE as f32 - cos[at] * SIN_BLUE as f32,
-            );
-            if blue_cos > -0.342_02 {
-                square += crossed[at] * hues.turn(blue_cos, blue_sin);
+        }
+        let mut has_none = false;
+        for k in 0..LANES {
+            into[k] = (plain[k] + turned[k]).max(0.0).sqrt();
+            has_none |= cos[k].is_nan();
+        }
+        if has_none {
+            // Grey, or opposite hues, whose mean is a convention.
+            for (k, into) in into.iter_mut().enumerate().filter(|(k, _)| cos[*k].is_nan()) {
+                let lab =
+                    |[l, a, b]: [&[f32; LANES]; 3]| Lab { l: l[k].into(), a: a[k].into(), b: b[k].into() };
+                *into = lab(one).delta_e_2000(lab(other)) as f32;
             }
-            *into = square.max(0.0).sqrt();
         }
     }
 }
@@ -76,14 +80,14 @@ pub(super) fn delta_e_2000(one: &[Vec<f32>; 3], other: &[Vec<f32>; 3], hues: &Hu
 /// The squared difference without the part of blue hues, that part over the sine of twice the rotation, and the
 /// mean hue, not a number where there is none.
 struct Parts {
-    plain: [f32; BLOCK],
-    crossed: [f32; BLOCK],
-    cos: [f32; BLOCK],
-    sin: [f32; BLOCK],
+    plain: [f32; LANES],
+    crossed: [f32; LANES],
+    cos: [f32; LANES],
+    sin: [f32; LANES],
 }
 
 #[inline(always)]
-fn parts(one: &[[f32; BLOCK]; 3], other: &[[f32; BLOCK]; 3]) -> Parts {
+fn parts(one: [&[f32; LANES]; 3], other: [&[f32; LANES]; 3]) -> Parts {
     const FAR_CHROMA: f32 = 6_103_515_625.0; // 25^7
     let weight = |chroma: f32| {
         let square = chroma * chroma;
@@ -91,9 +95,9 @@ fn parts(one: &[[f32; BLOCK]; 3], other: &[[f32; BLOCK]; 3]) -> Parts {
         (seventh / (seventh + FAR_CHROMA)).sqrt()
     };
     let length = |a: f32, b: f32| (a * a + b * b).sqrt();
-    let zero = [0.0; BLOCK];
+    let zero = [0.0; LANES];
     let mut parts = Parts { plain: zero, crossed: zero, cos: zero, sin: zero };
-    for at in 0..BLOCK {
+    for at in 0..LANES {
         let (l1, a1, b1) = (one[0][at], one[1][at], one[2][at]);
         let (l2, a2, b2) = (other[0][at], other[1][at], other[2][at]);
         let stretch = 1.5 - 0.5 * weight(0.5 * (length(a1, b1) + length(a2, b2)));
@@ -131,18 +135,19 @@ mod tests {
     fn differences_in_single_precision_are_those_of_colours() {
         let spread = |k: usize, step: f64| 2.0 * (step * k as f64).fract() - 1.0;
         let plane = |scale: f64, shift: f64, step: f64| -> Vec<f32> {
-            (0..30_000).map(|k| (shift + scale * spread(k, step)) as f32).collect()
+            (0..30_016).map(|k| (shift + scale * spread(k, step)) as f32).collect()
         };
         let one =
             [plane(50.0, 50.0, 0.414_213_56), plane(90.0, 0.0, 0.732_050_8), plane(90.0, 0.0, 0.236_067_98)];
         let far =
             [plane(50.0, 50.0, 0.645_751_31), plane(90.0, 0.0, 0.316_624_79), plane(90.0, 0.0, 0.605_551_28)];
         let near = [0, 1, 2].map(|k| one[k].iter().zip(&far[k]).map(|(one, far)| one + 0.03 * far).collect());
-        let grey = [one[0].clone(), vec![0.0; 30_000], vec![0.0; 30_000]];
+        let grey = [one[0].clone(), vec![0.0; 30_016], vec![0.0; 30_016]];
         let hues = Hues::new();
         for other in [&far, &near, &grey, &one] {
-            let mut found = vec![0.0; 30_000];
-            delta_e_2000(&one, other, &hues, &mut found);
+            let mut found = vec![0.0; 30_016];
+            let [a, b] = [&one, other].map(|planes| planes.each_ref().map(Vec::as_slice));
+            delta_e_2000(a, b, &hues, &mut found);
             for (at, found) in found.into_iter().enumerate() {
                 let lab =
                     |[l, a, b]: &[Vec<f32>; 3]| Lab { l: l[at].into(), a: a[at].into(), b: b[at].into() };

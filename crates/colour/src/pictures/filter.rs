@@ -1,5 +1,7 @@
 //! Filters of a picture's plane by small kernels.
 
+use super::rows::{LANES, Taps};
+
 /// Pixels that are computed at once.
 const BLOCK: usize = 16;
 
@@ -87,6 +89,37 @@ impl Kernel {
             self.apply(row(middle), into, near);
         }
         result
+    }
+}
+
+impl Taps for Kernel {
+    #[inline(always)]
+    fn reach(&self) -> usize {
+        self.sides.len()
+    }
+
+    #[inline(always)]
+    fn add<'a>(
+        &self,
+        sums: &mut [f32; LANES],
+        middle: &[f32; LANES],
+        near: impl Fn(usize) -> [&'a [f32; LANES]; 2],
+    ) {
+        for lane in 0..LANES {
+            sums[lane] += self.total * middle[lane];
+        }
+        for (k, weight) in self.sides.iter().enumerate() {
+            let [below, above] = near(k + 1);
+            if self.is_odd {
+                for lane in 0..LANES {
+                    sums[lane] += weight * (below[lane] - above[lane]);
+                }
+            } else {
+                for lane in 0..LANES {
+                    sums[lane] += weight * ((below[lane] - middle[lane]) + (above[lane] - middle[lane]));
+                }
+            }
+        }
     }
 }
 

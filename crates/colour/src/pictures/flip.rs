@@ -18,7 +18,6 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::f64::consts::PI;
-use std::ops::Range;
 
 use super::Picture;
 use super::filter::Kernel;
@@ -72,55 +71,16 @@ impl FlipPicture {
     /// Computes what is seen of a picture in linear sRGB. `pixels_per_degree`: of the visual angle, in the
     /// middle of the picture.
     pub fn new(picture: &Picture, pixels_per_degree: f64) -> Self {
-        let planes = picture.planes.each_ref().map(|plane| plane.iter().map(|one| *one as f32).collect());
-        Self::of_rows(planes, picture.columns(), pixels_per_degree, 0..picture.rows())
-    }
-
-    /// The same of some of the rows of planes, which have those around them that the kernels [reach](Self::reach).
-    #[inline(always)]
-    pub(super) fn of_rows(
-        mut planes: [Vec<f32>; 3],
-        columns: usize,
-        pixels_per_degree: f64,
-        rows: Range<usize>,
-    ) -> Self {
+        let columns = picture.columns();
+        let mut planes =
+            picture.planes.each_ref().map(|plane| plane.iter().map(|one| *one as f32).collect::<Vec<_>>());
         let [one, two, three] = &mut planes;
         for ((one, two), three) in one.iter_mut().zip(two).zip(three) {
-            [*one, *two, *three] =
-                opponent(to_xyz([one.clamp(0.0, 1.0), two.clamp(0.0, 1.0), three.clamp(0.0, 1.0)]));
+            [*one, *two, *three] = opponent_of([*one, *two, *three]);
         }
-        let mut features = features(&planes[0], columns, pixels_per_degree);
-        let mut colours = seen(planes, columns, pixels_per_degree);
-        colours.truncate(rows.end * columns);
-        features.truncate(rows.end * columns);
-        colours.drain(..rows.start * columns);
-        features.drain(..rows.start * columns);
-        Self { size: [columns, rows.len()], colours, features }
-    }
-
-    /// Rows about a pixel on which its values depend.
-    pub(super) fn reach(pixels_per_degree: f64) -> usize {
-        let feature = 3.0 * 0.5 * FEATURE_DEG * pixels_per_degree;
-        radius(pixels_per_degree).max(feature.ceil()) as usize
-    }
-
-    /// Sum of the differences of the pixels of a picture of the same size.
-    #[inline(always)]
-    pub(super) fn sum_of_differences(&self, other: &Self) -> f64 {
-        const BLOCK: usize = 64;
-        let most = largest_colour_difference();
-        let mut sum = 0.0;
-        for first in (0..self.colours.len()).step_by(BLOCK) {
-            let end = (first + BLOCK).min(self.colours.len());
-            let mut values = [0.0_f32; BLOCK];
-            let colours = self.colours[first..end].iter().zip(&other.colours[first..end]);
-            let features = self.features[first..end].iter().zip(&other.features[first..end]);
-            for ((value, colours), features) in values.iter_mut().zip(colours).zip(features) {
-                *value = difference(colours, features, most);
-            }
-            sum += f64::from(values.iter().sum::<f32>());
-        }
-        sum
+        let features = features(&planes[0], columns, pixels_per_degree);
+        let colours = seen(planes, columns, pixels_per_degree);
+        Self { size: [columns, picture.rows()], colours, features }
     }
 
     /// Computes the difference of each pixel, 0 to 1.
@@ -145,7 +105,7 @@ impl FlipPicture {
 
 /// The difference of a pixel from its colours and features.
 #[inline(always)]
-fn difference(
+pub(super) fn difference(
     (one, other): (&[f32; 3], &[f32; 3]),
     (feature, far): (&[f32; 2], &[f32; 2]),
     most: f32,
@@ -154,7 +114,9 @@ fn difference(
     // The exponent of the difference of features is a half.
     let feature = (strength * FRAC_1_SQRT_2).sqrt();
     let value = power(compressed(hyab(*one, *other), most), 1.0 - feature);
-    if one == other { 0.0 } else { value }
+    // Without branches, for vectors.
+    let is_same = (one[0] == other[0]) & (one[1] == other[1]) & (one[2] == other[2]);
+    if is_same { 0.0 } else { value }
 }
 
 /// Power of a number from 0 to 200, within 2e-6 of it for exponents from 0 to 1: without branches, for vectors.
@@ -168,13 +130,14 @@ fn power(base: f32, exponent: f32) -> f32 {
     let series = 2.0 * t * (1.0 + s * (1.0 / 3.0 + s * (1.0 / 5.0 + s * (1.0 / 7.0 + s * (1.0 / 9.0)))));
     let binary = ((shifted >> 23) as i32 - 127) as f32 + series * std::f32::consts::LOG2_E;
     let raised = (exponent * binary).clamp(-125.0, 125.0);
-    // Adding and subtracting it rounds.
+    // Adding and subtracting it rounds; the last bits of the sum are those of the whole number.
     const ROUNDS: f32 = 12_582_912.0;
-    let whole = (raised + ROUNDS) - ROUNDS;
-    let x = (raised - whole) * std::f32::consts::LN_2;
+    let rounded = raised + ROUNDS;
+    let whole = rounded.to_bits().wrapping_sub(ROUNDS.to_bits());
+    let x = (raised - (rounded - ROUNDS)) * std::f32::consts::LN_2;
     let part =
         1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x / 720.0)))));
-    let power = part * f32::from_bits(((whole as i32 + 127) as u32) << 23);
+    let power = part * f32::from_bits(whole.wrapping_add(127) << 23);
     if base > 0.0 { power } else { 0.0 }
 }
 
@@ -196,6 +159,12 @@ fn to_xyz(rgb: [f32; 3]) -> [f32; 3] {
 #[inline(always)]
 fn opponent([x, y, z]: [f32; 3]) -> [f32; 3] {
     [y, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// That of linear sRGB, which is clipped to 0 to 1.
+#[inline(always)]
+pub(super) fn opponent_of([red, green, blue]: [f32; 3]) -> [f32; 3] {
+    opponent(to_xyz([red.clamp(0.0, 1.0), green.clamp(0.0, 1.0), blue.clamp(0.0, 1.0)]))
 }
 
 #[inline(always)]
@@ -242,7 +211,7 @@ fn hyab(one: [f32; 3], other: [f32; 3]) -> f32 {
 }
 
 /// That of the green and the blue primary.
-fn largest_colour_difference() -> f32 {
+pub(super) fn largest_colour_difference() -> f32 {
     let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt_adjusted(to_xyz(rgb)));
     hyab(green, blue)
 }
@@ -264,48 +233,42 @@ fn radius(pixels_per_degree: f64) -> f64 {
 }
 
 /// The colours of a picture after the eye's blur.
-#[inline(always)]
 fn seen(planes: [Vec<f32>; 3], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 3]> {
-    let radius = radius(pixels_per_degree);
-    let mut gaussians = SENSITIVITY.iter();
-    let [l, a, b] = planes.map(|plane| {
-        blurred(plane, columns, gaussians.next().unwrap_or(&SENSITIVITY[2]), radius, pixels_per_degree)
-    });
-    let mut colours = vec![[0.0; 3]; l.len()];
-    for (((colour, l), a), b) in colours.iter_mut().zip(&l).zip(&a).zip(&b) {
-        let [red, green, blue] = times(&XYZ_TO_RGB, from_opponent([*l, *a, *b]));
-        *colour = hunt_adjusted(to_xyz([red.clamp(0.0, 1.0), green.clamp(0.0, 1.0), blue.clamp(0.0, 1.0)]));
-    }
-    colours
+    let mut blurs = blurs(pixels_per_degree).into_iter();
+    let [l, a, b] = planes.map(|plane| blurred(&plane, columns, &blurs.next().unwrap_or_default()));
+    l.into_iter().zip(a).zip(b).map(|((l, a), b)| seen_colour([l, a, b])).collect()
 }
 
-/// Filters a plane by a sum of Gaussians, normalised to the sum of its samples.
+/// The colour that is seen of opponent colours after the eye's blur.
 #[inline(always)]
-fn blurred(
-    plane: Vec<f32>,
-    columns: usize,
-    gaussians: &[(f64, f64)],
-    radius: f64,
-    pixels_per_degree: f64,
-) -> Vec<f32> {
-    let terms: Vec<(f64, Vec<f64>)> = gaussians
-        .iter()
-        .map(|(amplitude, b)| {
-            let kernel = samples(radius, |pixel| (-(PI * pixel / pixels_per_degree).powi(2) / b).exp());
-            let sum = both_sides(&kernel);
-            let kernel = kernel.into_iter().map(|weight| weight / sum).collect();
-            (amplitude * (PI / b).sqrt() * sum.powi(2), kernel)
-        })
-        .collect();
-    let total: f64 = terms.iter().map(|(scale, _)| scale).sum();
-    let mut result = vec![0.0; if terms.len() > 1 { plane.len() } else { 0 }];
-    for (scale, kernel) in &terms {
-        let kernel = Kernel::even(kernel);
-        let part = kernel.along_columns(&kernel.along_rows(&plane, columns), columns);
-        if terms.len() == 1 {
-            return part;
-        }
-        let scale = (scale / total) as f32;
+pub(super) fn seen_colour(opponent: [f32; 3]) -> [f32; 3] {
+    let [red, green, blue] = times(&XYZ_TO_RGB, from_opponent(opponent));
+    hunt_adjusted(to_xyz([red.clamp(0.0, 1.0), green.clamp(0.0, 1.0), blue.clamp(0.0, 1.0)]))
+}
+
+/// The Gaussians of each opponent colour, each with its part of their sum: normalised to the sum of its samples.
+pub(super) fn blurs(pixels_per_degree: f64) -> [Vec<(f32, Kernel)>; 3] {
+    let radius = radius(pixels_per_degree);
+    SENSITIVITY.map(|gaussians| {
+        let terms: Vec<(f64, Vec<f64>)> = gaussians
+            .iter()
+            .map(|(amplitude, b)| {
+                let kernel = samples(radius, |pixel| (-(PI * pixel / pixels_per_degree).powi(2) / b).exp());
+                let sum = both_sides(&kernel);
+                let kernel = kernel.into_iter().map(|weight| weight / sum).collect();
+                (amplitude * (PI / b).sqrt() * sum.powi(2), kernel)
+            })
+            .collect();
+        let total: f64 = terms.iter().map(|(scale, _)| scale).sum();
+        terms.iter().map(|(scale, kernel)| ((scale / total) as f32, Kernel::even(kernel))).collect()
+    })
+}
+
+/// Filters a plane by a sum of Gaussians.
+fn blurred(plane: &[f32], columns: usize, gaussians: &[(f32, Kernel)]) -> Vec<f32> {
+    let mut result = vec![0.0; plane.len()];
+    for (scale, kernel) in gaussians {
+        let part = kernel.along_columns(&kernel.along_rows(plane, columns), columns);
         result.iter_mut().zip(part).for_each(|(sum, value)| *sum += scale * value);
     }
     result
@@ -321,9 +284,8 @@ fn both_sides(weights: &[f64]) -> f64 {
     weights[0] + 2.0 * weights[1..].iter().sum::<f64>()
 }
 
-/// Strength of edges and points at each pixel, from lightness on a scale of 0 to 1.
-#[inline(always)]
-fn features(lightness: &[f32], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 2]> {
+/// The kernels of features: a Gaussian, and its first and second derivatives, for edges and for points.
+pub(super) fn feature_kernels(pixels_per_degree: f64) -> [Kernel; 3] {
     let sigma = 0.5 * FEATURE_DEG * pixels_per_degree;
     let radius = (3.0 * sigma).ceil();
     let gaussian = |pixel: f64| (-0.5 * (pixel / sigma).powi(2)).exp();
@@ -340,6 +302,12 @@ fn features(lightness: &[f32], columns: usize, pixels_per_degree: f64) -> Vec<[f
     let [positive, negative] = [half(1.0), half(-1.0)];
     let scaled = |weight: &f64| weight / if *weight > 0.0 { positive } else { negative };
     let point = Kernel::even(&point.iter().map(scaled).collect::<Vec<_>>());
+    [smooth, edge, point]
+}
+
+/// Strength of edges and points at each pixel, from lightness on a scale of 0 to 1.
+fn features(lightness: &[f32], columns: usize, pixels_per_degree: f64) -> Vec<[f32; 2]> {
+    let [smooth, edge, point] = feature_kernels(pixels_per_degree);
     let along_y = smooth.along_rows(lightness, columns);
     let mut features = vec![[0.0; 2]; lightness.len()];
     for (k, kernel) in [edge, point].iter().enumerate() {

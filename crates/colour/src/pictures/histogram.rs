@@ -19,18 +19,16 @@ impl Default for Histogram {
 }
 
 impl Histogram {
-    /// Counts differences, and returns their sum. What is not a number counts as 0.
+    /// Counts differences, and adds them to a sum. What is not a number counts as 0.
     #[inline(always)]
-    pub(super) fn count(&mut self, differences: &[f32]) -> f64 {
+    pub(super) fn count(&mut self, differences: &[f32], sum: &mut f64) {
         let last = self.counts.len() - 1;
-        let mut sum = 0.0;
         for difference in differences {
             // A conversion saturates, and makes 0 of what is not a number.
             let step = (difference * STEPS) as usize + usize::from(*difference > 0.0);
             self.counts[step.min(last)] += 1;
-            sum += f64::from(*difference);
+            *sum += f64::from(*difference);
         }
-        sum
     }
 
     pub(super) fn add(&mut self, other: &Self) {
@@ -63,7 +61,9 @@ mod tests {
         let mut values: Vec<f32> =
             (0..9999).map(|k| 40.0 * ((0.618_034 * k as f64).fract() as f32).powi(3)).collect();
         let [mut one, mut other] = [Histogram::default(), Histogram::default()];
-        let sum = one.count(&values[..5000]) + other.count(&values[5000..]);
+        let mut sum = 0.0;
+        one.count(&values[..5000], &mut sum);
+        other.count(&values[5000..], &mut sum);
         one.add(&other);
         values.sort_by(f32::total_cmp);
         assert!((sum - values.iter().map(|one| f64::from(*one)).sum::<f64>()).abs() < 1e-9);
@@ -72,7 +72,7 @@ mod tests {
             assert!((one.quantile(fraction) - expected).abs() < 1.0 / 256.0, "{fraction}");
         }
         let mut same = Histogram::default();
-        same.count(&[0.0; 5]);
+        same.count(&[0.0; 5], &mut 0.0);
         assert_eq!(same.quantile(0.95), 0.0);
     }
 }

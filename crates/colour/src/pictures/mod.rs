@@ -13,14 +13,18 @@
 //! A reader's distance enters as [pixels per degree](pixels_per_degree) of the visual angle.
 
 mod difference;
+mod eye;
 mod filter;
 mod flip;
+mod flip_rows;
 mod histogram;
 mod lab;
 mod mapped;
 mod planes;
+mod rows;
 mod scielab;
 mod stripes;
+mod view;
 
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
 pub use mapped::{AffineMap, MappedPicture};

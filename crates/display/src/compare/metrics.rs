@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::deviation::z;
-use super::left_out::LeftOut;
+use super::left_out::{LeftOut, NO_SUCH_STATE};
+use super::pairs::beside;
 use super::{Simulated, view_at};
 use crate::scene::Metric;
 
@@ -76,14 +77,21 @@ impl MeasuredMetric {
             && self.phi_deg == other.phi_deg
     }
 
-    /// Compares the metric with that of the nearest view; fails with the reason if there is none.
-    pub(super) fn compared(&self, simulated: &Simulated) -> Result<MetricComparison, LeftOut> {
+    /// Compares the metric with that of the nearest view, with a note if this has another direction; fails with the reason if there is
+    /// none.
+    pub(super) fn compared(
+        &self,
+        simulated: &Simulated,
+    ) -> Result<(MetricComparison, Option<LeftOut>), LeftOut> {
         let (name, direction) = (self.name(), self.theta_deg.map(|theta| [theta, self.phi_deg]));
         let left_out = |why: String| LeftOut { state: name.clone(), direction, why };
         let (_, view) = view_at(simulated, direction).map_err(left_out)?;
+        if self.state.as_ref().is_some_and(|state| view.states.iter().all(|one| one.name != *state)) {
+            return Err(left_out(NO_SUCH_STATE.to_owned()));
+        }
         let found = view.metrics.iter().find(|one| one.name == name);
         let found = found.ok_or_else(|| left_out(self.missing()))?;
-        Ok(MetricComparison {
+        let comparison = MetricComparison {
             theta_deg: view.theta_deg,
             phi_deg: view.phi_deg,
             simulated: found.value,
@@ -93,8 +101,9 @@ impl MeasuredMetric {
             z: self
                 .standard_deviation
                 .and_then(|measured| z(found.value - self.value, [found.standard_deviation, measured])),
-            metric: name,
-        })
+            metric: name.clone(),
+        };
+        Ok((comparison, beside(view, direction).map(left_out)))
     }
 
     /// Why a result does not have the metric.

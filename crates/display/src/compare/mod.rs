@@ -287,15 +287,18 @@ pub fn compare_measurement(
     let mut metrics = Vec::new();
     for one in &measurement.metrics {
         match one.compared(simulated) {
-            Ok(found) => metrics.push(found),
+            Ok((found, note)) => {
+                metrics.push(found);
+                left_out.extend(note);
+            }
             Err(reason) => left_out.push(reason),
         }
     }
     for one in &measurement.states {
         match pair(simulated, one) {
-            Ok((pair, note)) => {
+            Ok((pair, notes)) => {
                 pairs.push(pair);
-                left_out.extend(note);
+                left_out.extend(notes);
             }
             Err(reason) => left_out.push(reason),
         }
@@ -387,7 +390,48 @@ mod tests {
         assert!((off.mean_difference + 0.01).abs() < 1e-12 && (off.rms_difference - 0.01).abs() < 1e-12);
         assert!((all.states[2].difference_Y + 0.01).abs() < 1e-12);
         assert_eq!(all.views[1].contrast_ratio, [None, None]);
-        assert_eq!(all.left_out, ["not measured: black at theta -30 deg"]);
+        assert!(all.left_out.iter().any(|note| note == "not measured: black at theta -30 deg"));
+        assert!(all.left_out.iter().any(|note| {
+            note.starts_with("measured beside the view of 8 deg") && note.ends_with("white at theta 8.2 deg")
+        }));
+        assert_eq!(all.left_out.len(), 2, "{:?}", all.left_out);
+    }
+
+    /// Y over 400 to 700 nm and over 500 to 520 nm have no contrast, and no triangle with others.
+    #[test]
+    fn states_of_different_ranges_are_not_combined() {
+        let mut simulated = simulated();
+        for name in ["red", "green", "blue"] {
+            let mut state = simulated.views[0].states[0].clone();
+            state.name = name.to_owned();
+            simulated.views[0].states.push(state);
+        }
+        let measured = |black: [u16; 2], blue: [u16; 2]| {
+            let one = |name: &str, range| spectrum(name, 8.0, 0.0, |nm| 0.2 + nm * 1e-5, range);
+            let whole = [380, 750];
+            [
+                one("white", whole),
+                one("black", black),
+                one("red", whole),
+                one("green", whole),
+                one("blue", blue),
+            ]
+        };
+        let all = compare(&simulated, &measured([350, 800], [380, 720])).unwrap();
+        assert!(all.views[0].contrast_ratio[1].is_some() && all.views[0].gamut_percent_srgb[1].is_some());
+        let all = compare(&simulated, &measured([500, 520], [420, 600])).unwrap();
+        assert_eq!((all.views[0].contrast_ratio, all.views[0].gamut_percent_srgb), ([None; 2], [None; 2]));
+        assert!(all.states.iter().all(|one| one.state == "black" || one.measured.contrast.is_none()));
+        for note in ["no contrast: black has another range", "colours are computed over"] {
+            assert!(all.left_out.iter().any(|one| one.starts_with(note)), "{note} {:?}", all.left_out);
+        }
+        let all = compare(&simulated, &measured([350, 800], [420, 600])).unwrap();
+        assert_eq!(all.views[0].gamut_percent_srgb, [None; 2]);
+        assert!(
+            all.left_out.iter().any(|one| one.starts_with("no gamut:") && one.contains("red, green")),
+            "{:?}",
+            all.left_out
+        );
     }
 
     #[test]

@@ -13,22 +13,26 @@ use super::{
 /// Note on states that are found without the case of their letters.
 const OTHER_CAPITALS: &str = "read as the states of the result whose names differ in capital letters only";
 
+/// Angle between a measured direction and its view, degrees, beyond which it is noted.
+const NOTED_DEG: f64 = 0.05;
+
 /// Comparison of a state, with the number of its view.
 pub(super) struct Pair {
     pub(super) view: usize,
     pub(super) comparison: StateComparison,
 }
 
-/// Finds the simulated counterpart of a measured state and compares the two, with a note if their names
-/// differ in the case of letters; fails with the reason if there is none.
-pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, Option<LeftOut>), LeftOut> {
+/// Finds the simulated counterpart of a measured state and compares the two, with notes if their names
+/// differ in the case of letters, or their directions; fails with the reason if there is none.
+pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, Vec<LeftOut>), LeftOut> {
     let Measured { state, theta_deg, phi_deg, quantity, standard_deviation } = measured;
     let direction = theta_deg.map(|theta_deg| [theta_deg, *phi_deg]);
     let left_out = |why: String| LeftOut { state: state.clone(), direction, why };
     let (index, view) = view_at(simulated, direction).map_err(left_out)?;
     let found = named(view, state).ok_or_else(|| left_out(NO_SUCH_STATE.to_owned()))?;
     let SimulatedState { name, reflectance_factor, xyz, deviation } = found;
-    let note = (name != state).then(|| left_out(OTHER_CAPITALS.to_owned()));
+    let capitals = (name != state).then(|| left_out(OTHER_CAPITALS.to_owned()));
+    let notes = capitals.into_iter().chain(beside(view, direction).map(left_out)).collect();
     let compared = match quantity {
         Quantity::Xyz(measured) => simulated.colours(*xyz, |_| *measured),
         Quantity::Lab(measured) => simulated.colours(*xyz, |white| measured.xyz(white)),
@@ -60,7 +64,16 @@ pub(super) fn pair(simulated: &Simulated, measured: &Measured) -> Result<(Pair, 
         agreement: Agreement::of(counted.into_iter()),
         z,
     };
-    Ok((Pair { view: index, comparison }, note))
+    Ok((Pair { view: index, comparison }, notes))
+}
+
+/// Note on a measured direction that is not that of the view.
+pub(super) fn beside(view: &SimulatedView, direction: Option<[f64; 2]>) -> Option<String> {
+    let (theta, phi) = (view.theta_deg, view.phi_deg);
+    let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
+    direction.filter(|direction| between([theta, phi], *direction) > NOTED_DEG).map(|_| {
+        format!("measured beside the view of {theta} deg{azimuth} with which it is compared (viewer.theta_deg sets the view)")
+    })
 }
 
 /// Returns the view nearest to a measured direction, with its number; fails with the reason if there is none.

@@ -1,5 +1,6 @@
 //! Pictures by several threads, with the same result for any number of them.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use crate::threads::each;
@@ -22,6 +23,17 @@ pub(super) fn in_chunks<T: Send, R: Send>(
     })
 }
 
+/// What is returned for the numbers of each of a few parts of the pixels, in their order.
+pub(super) fn in_parts<R: Send>(
+    threads: usize,
+    pixels: usize,
+    of: impl Fn(Range<usize>) -> R + Sync,
+) -> Vec<R> {
+    let part = pixels.div_ceil(threads.max(1)).max(1);
+    let parts: Vec<_> = (0..pixels).step_by(part).map(|first| first..(first + part).min(pixels)).collect();
+    each(&parts, threads, |part| of(part.clone()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -38,5 +50,9 @@ mod tests {
             assert!(values.iter().enumerate().all(|(k, value)| k == *value));
         }
         assert!(in_chunks(2, &mut [0; 0], |_, _| ()).is_empty());
+        for threads in [0, 1, 3] {
+            assert_eq!(in_parts(threads, 7, |part| part.collect::<Vec<_>>()).concat(), [0, 1, 2, 3, 4, 5, 6]);
+            assert!(in_parts(threads, 0, |_| ()).is_empty());
+        }
     }
 }

@@ -464,6 +464,12 @@ impl ImageResult {
         self.size.map(|pixels| pixels * self.samples_per_pixel)
     }
 
+    /// Gives back the memory of what was wanted: [`mapped`](Self::mapped) is empty, and [`wanted`](Self::wanted) that of a picture
+    /// without exposure and white balance.
+    pub fn forget_targets(&mut self) {
+        (self.mapped, self.adjusted) = (Vec::new(), None);
+    }
+
     /// X, Y, Z of each pixel that are wanted: the picture, whose pixels these are, with the white and black of the display.
     pub fn wanted(&self, source: &SourceImage) -> Vec<[f32; 3]> {
         let pixels = self.adjusted.as_deref().unwrap_or(&source.pixels);

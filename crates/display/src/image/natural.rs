@@ -21,7 +21,7 @@ use papilio_spectra::{Grid, daylight, planck};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::chunks::in_chunks;
+use super::chunks::{in_chunks, in_parts};
 use super::colour;
 use crate::DisplayError;
 
@@ -91,8 +91,9 @@ impl Adjustments {
         pixels: &[[f32; 3]],
         is_drawn: Option<&[bool]>,
         is_natural: bool,
+        threads: usize,
     ) -> Result<AdjustedSource, DisplayError> {
-        let chosen = || if is_natural { missing_stops(pixels, is_drawn) } else { 0.0 };
+        let chosen = || if is_natural { missing_stops(pixels, is_drawn, threads) } else { 0.0 };
         let exposure = self.exposure.unwrap_or_else(chosen);
         let mut adjusted = Cow::Borrowed(pixels);
         if let Some(kelvin) = self.white_balance_k {
@@ -155,7 +156,8 @@ impl Adjustments {
             below_black_fraction,
         };
         let radius = (RADIUS * columns as f64).round().max(1.0) as usize;
-        let mut base = if is_drawing { Vec::new() } else { guided(&lightness, columns, radius, EPSILON)? };
+        let mut base =
+            if is_drawing { Vec::new() } else { guided(&lightness, columns, (radius, EPSILON), threads)? };
         if is_drawing {
             base = lightness;
         } else if is_drawn.is_some() {
@@ -225,18 +227,41 @@ fn is_white(pixel: &[f32; 3]) -> bool {
 }
 
 /// Stops by which the light tones of a photograph are too dark; 0 where they are light enough.
-fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>) -> f64 {
-    let largest = |pixel: &[f32; 3]| colour(*pixel).linear_srgb().into_iter().fold(0.0, f64::max);
-    let is_photograph = |at: &usize| is_drawn.is_none_or(|is_drawn| !is_drawn[*at]);
-    let photograph = (0..pixels.len()).filter(is_photograph);
-    let mut light: Vec<f64> = photograph.map(|at| largest(&pixels[at])).collect();
-    let at = ((1.0 - HIGHLIGHTS) * light.len().saturating_sub(1) as f64).round() as usize;
-    if light.is_empty() {
-        return 0.0;
+fn missing_stops(pixels: &[[f32; 3]], is_drawn: Option<&[bool]>, threads: usize) -> f64 {
+    // The light of a pixel's largest primary. The bits of such numbers, none of which is negative, have their order.
+    let light = |at: usize| {
+        let is_photograph = is_drawn.is_none_or(|is_drawn| !is_drawn[at]);
+        is_photograph.then(|| colour(pixels[at]).linear_srgb().into_iter().fold(0.0, f64::max).abs())
+    };
+    let range = |light: f64| (light.to_bits() >> RANGE_BITS) as usize;
+    let counts = in_parts(threads, pixels.len(), |pixels| {
+        let mut counts = vec![0_usize; 1 << (u64::BITS - RANGE_BITS)];
+        pixels.filter_map(light).for_each(|light| counts[range(light)] += 1);
+        counts
+    });
+    let count = |range: usize| counts.iter().map(|counts| counts[range]).sum::<usize>();
+    let ranges = 0..1 << (u64::BITS - RANGE_BITS);
+    let all: usize = ranges.clone().map(count).sum();
+    let mut at = ((1.0 - HIGHLIGHTS) * all.saturating_sub(1) as f64).round() as usize;
+    let mut found = None;
+    for one in ranges {
+        if at < count(one) {
+            found = Some(one);
+            break;
+        }
+        at -= count(one);
     }
-    let light = *light.select_nth_unstable_by(at, f64::total_cmp).1;
+    let Some(found) = found else { return 0.0 };
+    // Only those of one range are kept.
+    let lights = in_parts(threads, pixels.len(), |pixels| {
+        pixels.filter_map(light).filter(|light| range(*light) == found).collect::<Vec<f64>>()
+    });
+    let light = *lights.concat().select_nth_unstable_by(at, f64::total_cmp).1;
     if light > 0.0 { (LIGHT / light).log2().clamp(0.0, MOST_STOPS) } else { 0.0 }
 }
+
+/// Bits of a number that do not decide its range: ranges are a sixteenth of an octave wide.
+const RANGE_BITS: u32 = 48;
 
 /// Adaptation from the light of this colour temperature to D65.
 fn balance_from(kelvin: f64) -> Result<Adaptation, DisplayError> {

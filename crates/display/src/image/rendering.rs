@@ -143,7 +143,7 @@ impl Rendering {
         keep_toned: bool,
         threads: usize,
     ) -> Result<Rendered, DisplayError> {
-        let adjusted = adjustments.of_source(pixels, is_drawn, is_natural(self.intent))?;
+        let adjusted = adjustments.of_source(pixels, is_drawn, is_natural(self.intent), threads)?;
         let shown = adjusted.pixels.as_deref().unwrap_or(pixels);
         let mut rendered = if is_natural(self.intent) {
             self.natural((shown, columns, is_drawn), adjustments, &adjusted, keep_toned, threads)?
@@ -207,20 +207,21 @@ impl Rendering {
             let (mut inside, mut errors) = (0, Vec::new());
             for (at, pixel) in mapped.iter_mut().enumerate() {
                 let target = pixel.map(f64::from);
-                let (closest, is_inside) = match &lattice {
+                let own = self.mapping.xyz(target);
+                let is_within =
+                    |tolerance| own.is_some_and(|own| self.mapping.hull().contains_within(own, tolerance));
+                let contained = own.filter(|own| self.mapping.hull().contains(*own));
+                let closest = contained.unwrap_or_else(|| match &lattice {
                     Some(lattice) => lattice.closest(target),
-                    None => self
-                        .mapping
-                        .contained(target)
-                        .map_or_else(|| (self.mapping.closest(target), false), |contained| (contained, true)),
-                };
+                    None => self.mapping.closest(target),
+                });
                 if lattice.is_some() && (first + at).is_multiple_of(every) {
                     let labs = [closest, self.mapping.closest(target)].map(|one| one.lab(self.white));
                     if let [Some(ours), Some(exact)] = labs {
                         errors.push(ours.delta_e_2000(exact));
                     }
                 }
-                inside += usize::from(is_inside || self.mapping.is_nearly_contained(target, COUNTED_INSIDE));
+                inside += usize::from(contained.is_some() || is_within(COUNTED_INSIDE));
                 *pixel = single(closest);
             }
             (inside, errors)

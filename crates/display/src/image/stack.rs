@@ -194,11 +194,13 @@ impl Layers {
     pub(super) fn each(&self, mut found: impl FnMut(usize, &mut Vec<[f32; 3]>)) {
         match &self.kind {
             Kind::Pages => {
+                let mut pixels = Vec::new();
                 for (number, row) in self.few.iter().enumerate() {
                     let colours: Vec<[f32; 3]> =
                         row.as_chunks().0.iter().map(|one| one.map(single)).collect();
-                    let pixels = self.states.iter().map(|state| colours[usize::from(*state)]);
-                    found(number, &mut pixels.collect());
+                    pixels.clear();
+                    pixels.extend(self.states.iter().map(|state| colours[usize::from(*state)]));
+                    found(number, &mut pixels);
                 }
             }
             Kind::Diffuser(blurred) => {

@@ -1,15 +1,17 @@
-//! Liquid-crystal pixels: reflectance for unpolarised light against inclination and azimuth.
+//! Liquid-crystal pixels: reflection of unpolarised or of polarised light against inclination and azimuth.
 //!
-//! The table holds, at each inclination, the harmonics of twice the azimuth: by reciprocity, the reflectance for unpolarised light is the
-//! same at opposite azimuths. Their number is chosen at a steep inclination, the nodes as for films. Nearer to the normal, fewer azimuths are
+//! The table holds, at each inclination, harmonics of the azimuth: by reciprocity, the reflectance for unpolarised light is the
+//! same at opposite azimuths, and so are sums of mirrored elements of the matrix for polarised light; their differences have opposite signs. Their number is chosen at a steep inclination, the nodes as for films. Nearer to the normal, fewer azimuths are
 //! computed, as many as the last harmonics there require.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use papilio_optics::OpticsError;
 use papilio_optics::berreman::{SpectralStack, SpectralWaves};
+use papilio_optics::{Beta, OpticsError};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, Nodes, Reflector};
+use papilio_transport::{AngularTable, Base, Mueller, MuellerAt, MuellerByDirection, Nodes, Reflector};
 use rayon::prelude::*;
 
 use super::table;
@@ -41,16 +43,29 @@ pub(crate) const AZIMUTH_BELOW_LAYERS: DisplayError = DisplayError::Azimuth {
 };
 
 /// A pixel on the wavelengths of a scene.
+#[derive(Debug)]
 pub(super) struct Crystal {
     stack: SpectralStack,
     index: Vec<f64>,
     states: usize,
+    /// Whether the table is one for polarised light.
+    polarised: bool,
 }
 
 impl Crystal {
     pub(super) fn new(pixel: &CrystalPixel, grid: &Grid, index: &Spectrum) -> Result<Self, OpticsError> {
         let stack = SpectralStack::new(&grid.wavelengths_nm(), index, &pixel.parts, &pixel.substrate)?;
-        Ok(Self { stack, index: index.to_vec(), states: pixel.states.len() })
+        Ok(Self { stack, index: index.to_vec(), states: pixel.states.len(), polarised: false })
+    }
+
+    /// Number of functions of each state.
+    fn elements(&self) -> usize {
+        if self.polarised { Mueller::ELEMENTS } else { 1 }
+    }
+
+    /// Returns whether a function, by its number, has odd multiples of the azimuth.
+    fn is_odd(&self, function: usize) -> bool {
+        self.polarised && Mueller::is_odd(function % Mueller::ELEMENTS)
     }
 
     /// Returns the waves of light at this inclination; `beta` at each wavelength is `sine` times the index, or the sine itself in air. Grazing light
@@ -71,6 +86,35 @@ impl Crystal {
         self.reflectance_of(&mut self.waves(sine, in_air)?, phi_deg)
     }
 
+    /// Computes all functions of the table, `[azimuth][state][element][wavelength]`.
+    fn functions(&self, waves: &mut SpectralWaves<'_>, phi_deg: &[f64]) -> Result<Vec<f64>, OpticsError> {
+        if !self.polarised {
+            return self.reflectance_of(waves, phi_deg);
+        }
+        let bins = self.index.len();
+        let mut all = self.matrices(waves, phi_deg)?;
+        for matrix in all.chunks_exact_mut(Mueller::ELEMENTS * bins) {
+            for bin in 0..bins {
+                let of = |element: usize| matrix[element * bins + bin];
+                let symmetric = Mueller::symmetric(std::array::from_fn(of));
+                symmetric.into_iter().enumerate().for_each(|(at, value)| matrix[at * bins + bin] = value);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Computes the matrices for polarised light, `[azimuth][state][element][wavelength]`.
+    fn matrices(&self, waves: &mut SpectralWaves<'_>, phi_deg: &[f64]) -> Result<Vec<f64>, OpticsError> {
+        let own = self.stack.states();
+        let matrix = Mueller::ELEMENTS * self.index.len();
+        let mut out = vec![0.0; phi_deg.len() * own * matrix];
+        waves.actions(phi_deg, &mut out)?;
+        Ok(match own == self.states {
+            true => out,
+            false => out.chunks_exact(own * matrix).flat_map(|row| row.repeat(self.states)).collect(),
+        })
+    }
+
     fn reflectance_of(
         &self,
         waves: &mut SpectralWaves<'_>,
@@ -87,17 +131,17 @@ impl Crystal {
         })
     }
 
-    /// Returns the first `count` harmonics of the reflectance, `[state][harmonic][wavelength]`, from at most this number of azimuths.
+    /// Returns the first `count` harmonics of all functions, `[state][element][harmonic][wavelength]`, from at most this number of azimuths.
     fn harmonics(&self, sine: f64, in_air: bool, count: usize, most: usize) -> Result<Vec<f64>, OpticsError> {
         if count == 1 {
             // The same at all azimuths.
-            return self.reflectance(sine, in_air, &[0.0]);
+            return self.functions(&mut self.waves(sine, in_air)?, &[0.0]);
         }
         let step_deg = |azimuths: usize| 180.0 / azimuths as f64;
         let mut azimuths = FEWEST_AZIMUTHS.min(most);
         let first: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * k as f64).collect();
         let mut waves = self.waves(sine, in_air)?;
-        let mut rows = self.reflectance_of(&mut waves, &first)?;
+        let mut rows = self.functions(&mut waves, &first)?;
         loop {
             let own = count.min(azimuths - 1);
             let found = self.harmonics_of(&rows, azimuths, own);
@@ -105,7 +149,7 @@ impl Crystal {
                 return Ok(self.padded(found, own, count));
             }
             let between: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * (k as f64 + 0.5)).collect();
-            let more = self.reflectance_of(&mut waves, &between)?;
+            let more = self.functions(&mut waves, &between)?;
             let of_azimuth = rows.len() / azimuths;
             let pairs = rows.chunks_exact(of_azimuth).zip(more.chunks_exact(of_azimuth));
             rows = pairs.flat_map(|(even, odd)| [even, odd].concat()).collect();
@@ -113,15 +157,16 @@ impl Crystal {
         }
     }
 
-    /// Returns harmonics, `[state][harmonic][wavelength]`, of reflectances `[azimuth][state][wavelength]`.
+    /// Returns harmonics, `[state][element][harmonic][wavelength]`, of functions `[azimuth][state][element][wavelength]`.
     fn harmonics_of(&self, rows: &[f64], azimuths: usize, count: usize) -> Vec<f64> {
-        let bins = self.index.len();
-        let mut out = vec![0.0; self.states * count * bins];
-        for (k, row) in rows.chunks_exact(self.states * bins).enumerate() {
-            for (state, values) in row.chunks_exact(bins).enumerate() {
-                for harmonic in 0..count {
-                    let weight = weight(harmonic, k, azimuths);
-                    let sums = &mut out[(state * count + harmonic) * bins..][..bins];
+        let (bins, functions) = (self.index.len(), self.states * self.elements());
+        let mut out = vec![0.0; functions * count * bins];
+        for (k, row) in rows.chunks_exact(functions * bins).enumerate() {
+            let weights = [false, true]
+                .map(|odd| (0..count).map(|harmonic| weight(harmonic, odd, k, azimuths)).collect::<Vec<_>>());
+            for (function, values) in row.chunks_exact(bins).enumerate() {
+                for (harmonic, weight) in weights[usize::from(self.is_odd(function))].iter().enumerate() {
+                    let sums = &mut out[(function * count + harmonic) * bins..][..bins];
                     sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
                 }
             }
@@ -149,12 +194,17 @@ impl Crystal {
 
     /// Returns the number of harmonics that suffice, an odd number.
     fn count(&self) -> Result<usize, OpticsError> {
-        let all = self.harmonics(STEEP, true, MOST_AZIMUTHS - 1, MOST_AZIMUTHS)?;
+        let most = MOST_AZIMUTHS - 1;
+        let all = self.harmonics(STEEP, true, most, MOST_AZIMUTHS)?;
         let bins = self.index.len();
         let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > HARMONIC_ERROR);
         let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
-        let last = rows.map(|(at, _)| (at % (MOST_AZIMUTHS - 1)).div_ceil(2)).max().unwrap_or(0);
-        Ok(2 * last + 1)
+        let order = |at: usize| match self.is_odd(at / most) {
+            true => at % most / 2 + 1,
+            false => (at % most).div_ceil(2),
+        };
+        let last = rows.map(|(at, _)| order(at)).max().unwrap_or(0);
+        Ok((2 * last + 1).min(most))
     }
 }
 
@@ -165,16 +215,28 @@ fn ends(nodes: &[f64]) -> [f64; 2] {
     [low - outside, high + outside]
 }
 
-/// Weight of azimuth number `k` in a harmonic: 1, cos 2 phi, sin 2 phi, ...
-fn weight(harmonic: usize, k: usize, azimuths: usize) -> f64 {
-    let order = harmonic.div_ceil(2);
-    let turn = 2.0 * PI * (order * k) as f64 / azimuths as f64;
-    let wave = if harmonic.is_multiple_of(2) && harmonic > 0 { turn.sin() } else { turn.cos() };
-    (if order == 0 { 1.0 } else { 2.0 * wave }) / azimuths as f64
+/// Weight of azimuth number `k` in a harmonic: 1, cos 2 phi, sin 2 phi, ...; or, of odd multiples, cos phi, sin phi, cos 3 phi, ...
+fn weight(harmonic: usize, odd: bool, k: usize, azimuths: usize) -> f64 {
+    let multiple = if odd { harmonic / 2 * 2 + 1 } else { harmonic.div_ceil(2) * 2 };
+    let turn = PI * (multiple * k) as f64 / azimuths as f64;
+    let is_sine = if odd { !harmonic.is_multiple_of(2) } else { harmonic > 0 && harmonic.is_multiple_of(2) };
+    let wave = if is_sine { turn.sin() } else { turn.cos() };
+    (if multiple == 0 { 1.0 } else { 2.0 * wave }) / azimuths as f64
 }
 
-/// Computes a liquid-crystal pixel as the base of a stack. Below flat layers in air (`is_bare`), light has directions that exist in air: others are
-/// left at 0, unless it is `unrefracted`; so are panels of the table without any of these `cosines`, if some are stated.
+/// How a liquid-crystal pixel is seen.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<'a> {
+    /// Below flat layers in air, light has directions that exist in air: others are left at 0, unless it is unrefracted.
+    pub(super) is_bare: bool,
+    pub(super) unrefracted: bool,
+    /// Whether the polarisation of light is followed.
+    pub(super) polarised: bool,
+    /// Ranges of the cosine between which the pixel is to be known: panels of the table without any of them are left at 0. `None`: all.
+    pub(super) cosines: Option<&'a [[f64; 2]]>,
+}
+
+/// Computes a liquid-crystal pixel as the base of a stack, and for polarised light, if it is followed.
 ///
 /// # Errors
 /// If the pixel depends on azimuth below layers that change the azimuth of light; if the computation was stopped.
@@ -182,23 +244,28 @@ pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
     index: &Spectrum,
-    (is_bare, unrefracted, cosines): (bool, bool, Option<&[[f64; 2]]>),
+    seen: Seen<'_>,
     control: Option<&Control<'_>>,
-) -> Result<Base, DisplayError> {
-    let crystal = Crystal::new(pixel, grid, index)?;
+) -> Result<(Base, Option<Arc<Mueller>>), DisplayError> {
+    let mut crystal = Crystal::new(pixel, grid, index)?;
+    crystal.polarised = seen.polarised;
     let count = crystal.count()?;
-    if count > 1 && !is_bare {
+    if count > 1 && !seen.is_bare {
         return Err(AZIMUTH_BELOW_LAYERS);
     }
     let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
-    let (bins, states) = (grid.len(), pixel.states.len());
-    let lowest = if unrefracted || !is_bare { 0.0 } else { (1.0 - index.min().powi(-2)).max(0.0).sqrt() };
+    let (bins, states, elements) = (grid.len(), pixel.states.len(), crystal.elements());
+    let lowest = match seen.unrefracted || !seen.is_bare {
+        true => 0.0,
+        false => (1.0 - index.min().powi(-2)).max(0.0).sqrt(),
+    };
     let is_needed = |[from, to]: [f64; 2]| {
-        to >= lowest && cosines.is_none_or(|all| all.iter().any(|[low, high]| *high >= from && *low <= to))
+        let is_seen = |[low, high]: &[f64; 2]| *high >= from && *low <= to;
+        to >= lowest && seen.cosines.is_none_or(|all| all.iter().any(is_seen))
     };
     let all = |cosines: &[f64]| -> Result<Vec<f64>, DisplayError> {
         if !is_needed(ends(cosines)) {
-            return Ok(vec![0.0; cosines.len() * states * count * bins]);
+            return Ok(vec![0.0; cosines.len() * states * elements * count * bins]);
         }
         control.map_or(Ok(()), Control::check)?;
         let rows = cosines
@@ -216,17 +283,106 @@ pub(super) fn base(
     };
     // A sample as good as the whole would take as long: the whole decides.
     let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
-    let (panels, basis) = panels.ok_or(DisplayError::CrystalFringes)?;
+    let (panels, values) = panels.ok_or(DisplayError::CrystalFringes)?;
+    let inactive_reflectance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * r);
+    let mueller = seen.polarised.then(|| Mueller {
+        by_direction: MuellerByDirection::Table {
+            panels: panels.clone(),
+            harmonics: count,
+            values: Arc::clone(&values),
+        },
+        states,
+        active: pixel.fill_factor,
+        inactive: inactive_reflectance.to_vec(),
+    });
+    let basis = if seen.polarised { means(&values, count * bins) } else { values };
     let nodes = if count == 1 { Nodes::CosinePanels(panels) } else { Nodes::Azimuthal(panels, count) };
     let own = |state: usize, basis: usize| if basis == state * count { pixel.fill_factor } else { 0.0 };
     let mixture = (0..states).flat_map(|state| (0..states * count).map(move |basis| own(state, basis)));
-    let inactive = 1.0 - pixel.fill_factor;
+    let common = inactive_reflectance.to_vec();
+    let table = AngularTable { nodes, basis, mixture: mixture.collect(), common };
+    let inactive_absorptance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * (1.0 - r));
+    Ok((Base { reflector: Reflector::Specular(table), inactive_absorptance }, mueller.map(Arc::new)))
+}
+
+/// Returns a liquid-crystal pixel that is computed for each direction, below flat layers in air, and a base without a table.
+pub(super) fn exact(
+    pixel: &CrystalPixel,
+    grid: &Grid,
+    index: &Spectrum,
+) -> Result<(Base, Arc<Mueller>), DisplayError> {
+    let crystal = Crystal { polarised: true, ..Crystal::new(pixel, grid, index)? };
+    let (bins, states) = (grid.len(), pixel.states.len());
+    let inactive = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * r).to_vec();
     let table = AngularTable {
-        nodes,
-        basis,
-        mixture: mixture.collect(),
-        common: pixel.inactive_reflectance.iter().map(|r| inactive * r).collect(),
+        nodes: Nodes::Constant,
+        basis: vec![0.0; states * bins].into(),
+        mixture: vec![0.0; states * states],
+        common: inactive.clone(),
     };
-    let inactive_absorptance = pixel.inactive_reflectance.map(|r| inactive * (1.0 - r));
-    Ok(Base { reflector: Reflector::Specular(table), inactive_absorptance })
+    let inactive_absorptance = pixel.inactive_reflectance.map(|r| (1.0 - pixel.fill_factor) * (1.0 - r));
+    let base = Base { reflector: Reflector::Specular(table), inactive_absorptance };
+    let by_direction = MuellerByDirection::Exact(Arc::new(Exact { crystal, known: Mutex::default() }));
+    Ok((base, Arc::new(Mueller { by_direction, states, active: pixel.fill_factor, inactive })))
+}
+
+/// A pixel that is computed for each direction, and those that are known.
+#[derive(Debug)]
+struct Exact {
+    crystal: Crystal,
+    known: Mutex<HashMap<[i64; 2], Arc<[f64]>>>,
+}
+
+/// Largest number of directions that are kept.
+const MOST_DIRECTIONS: usize = 4096;
+
+impl MuellerAt for Exact {
+    fn at(&self, beta: Beta) -> Arc<[f64]> {
+        // Directions that differ by rounding are the same.
+        let key = [beta.x, beta.y].map(|x| (x * 1e13).round() as i64);
+        let known =
+            |key: &[i64; 2]| self.known.lock().unwrap_or_else(PoisonError::into_inner).get(key).cloned();
+        if let Some(known) = known(&key) {
+            return known;
+        }
+        let bins = self.crystal.index.len();
+        let found: Arc<[f64]> = match known(&key.map(|x| -x)) {
+            Some(opposite) => reversed(&opposite, bins).into(),
+            None => {
+                let phi_deg = beta.y.atan2(beta.x).to_degrees();
+                let found = self.crystal.waves(beta.length(), true);
+                let found = found.and_then(|mut waves| self.crystal.matrices(&mut waves, &[phi_deg]));
+                // A display that cannot be computed is no number.
+                let none = || vec![f64::NAN; self.crystal.states * Mueller::ELEMENTS * bins];
+                found.unwrap_or_else(|_| none()).into()
+            }
+        };
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() < MOST_DIRECTIONS {
+            known.insert(key, Arc::clone(&found));
+        }
+        found
+    }
+}
+
+/// Returns the matrices of a direction from those of the opposite azimuth.
+fn reversed(matrices: &[f64], bins: usize) -> Vec<f64> {
+    let mut out = matrices.to_vec();
+    for matrix in out.chunks_exact_mut(Mueller::ELEMENTS * bins) {
+        for bin in 0..bins {
+            let elements = Mueller::reversed(std::array::from_fn(|element| matrix[element * bins + bin]));
+            elements.into_iter().enumerate().for_each(|(at, value)| matrix[at * bins + bin] = value);
+        }
+    }
+    out
+}
+
+/// Returns the reflectance for unpolarised light from symmetric elements, each with this number of values: half of p from p and s from s, and the sum of
+/// both others.
+fn means(values: &[f64], of_element: usize) -> Arc<[f64]> {
+    let of = |elements: &[f64]| -> Vec<f64> {
+        let [pp, ps, ss] = [0, 1, 5].map(|element| &elements[element * of_element..][..of_element]);
+        (0..of_element).map(|k| 0.5 * (pp[k] + ss[k]) + ps[k]).collect()
+    };
+    values.chunks_exact(Mueller::ELEMENTS * of_element).flat_map(of).collect()
 }

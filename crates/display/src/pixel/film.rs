@@ -71,7 +71,7 @@ pub(super) fn polarised_bases(
         reflector: Reflector::Specular(mixture.table(nodes.clone(), basis, film)),
         inactive_absorptance: inactive.clone(),
     });
-    Ok(Bases { mean, polarised: Some([s, p]) })
+    Ok(Bases { mean, polarised: Some([s, p]), mueller: None })
 }
 
 /// The table of a mirror.

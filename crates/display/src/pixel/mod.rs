@@ -10,7 +10,9 @@ pub(crate) mod film;
 mod table;
 mod weighted;
 
-use papilio_transport::{AngularTable, Base, Medium, Nodes, Reflector, Stack};
+use std::sync::Arc;
+
+use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
 pub(crate) use crystal::AZIMUTH_BELOW_LAYERS;
@@ -21,10 +23,10 @@ pub(crate) use weighted::{SeenLight, WeightedNodes, WeightedTable};
 
 use crate::run::Control;
 use crate::scene::{
-    AngleMedium, Drive, FilmState, Pixel, ScatteringPixel, Scene, TableAngles, TablePixel, UniformKind,
-    UniformPixel,
+    AngleMedium, DirectedLight, Drive, FilmState, Method, Pixel, ScatteringPixel, Scene, TableAngles,
+    TablePixel, UniformKind, UniformPixel,
 };
-use crate::{DisplayError, setup};
+use crate::{DisplayError, polarisation, setup};
 
 /// Reflectance of all states of a pixel against angle, in the medium of the scene's angles.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,7 +162,8 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
-            crystal::base(pixel, &scene.grid, index, (is_bare, unrefracted, cosines), control)
+            let seen = crystal::Seen { is_bare, unrefracted, polarised: false, cosines };
+            Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
         }
     }
 }
@@ -172,6 +175,8 @@ pub(crate) struct Bases {
     pub(crate) mean: Base,
     /// For light of s and of p, if the stack keeps them apart.
     pub(crate) polarised: Option<[Base; 2]>,
+    /// For polarised light, if the pixel changes its polarisation and that is followed.
+    pub(crate) mueller: Option<Arc<Mueller>>,
 }
 
 /// Computes the pixel as the base of a stack, as [`base`] does; for light of s and of p, too, if they are
@@ -187,13 +192,42 @@ pub(crate) fn bases(
         Pixel::Film(pixel) if kept_apart => {
             film::polarised_bases(pixel, &scene.grid, scene.display.index_above_pixel(), film, before)
         }
+        Pixel::Crystal(pixel) if polarisation::is_whole(scene) => {
+            let seen = crystal::Seen { is_bare: true, unrefracted: false, polarised: true, cosines };
+            let index = scene.display.index_above_pixel();
+            if cosines.is_some() && has_few_directions(scene) {
+                let (mean, mueller) = crystal::exact(pixel, &scene.grid, index)?;
+                return Ok(Bases { mean, polarised: None, mueller: Some(mueller) });
+            }
+            let made = crystal::base(pixel, &scene.grid, index, seen, Some(control));
+            let (mean, mueller) = match made {
+                // The reflectance for unpolarised light may have fewer fringes than the other elements.
+                Err(DisplayError::CrystalFringes) => {
+                    let seen = crystal::Seen { polarised: false, ..seen };
+                    crystal::base(pixel, &scene.grid, index, seen, Some(control))?
+                }
+                made => made?,
+            };
+            Ok(Bases { mean, polarised: None, mueller })
+        }
         // Tables and uniform pixels have one reflectance for both.
         _ => {
             let mean = base(scene, film, before.map(Stack::base), (cosines, Some(control)))?;
             let polarised = kept_apart.then(|| [mean.clone(), mean.clone()]);
-            Ok(Bases { mean, polarised })
+            Ok(Bases { mean, polarised, mueller: None })
         }
     }
+}
+
+/// Returns whether adding sees a display from few directions: each is then computed, without a table.
+pub(crate) fn has_few_directions(scene: &Scene) -> bool {
+    const MOST_AZIMUTHS: usize = 8;
+    const WIDEST_DEG: f64 = 4.0;
+    let is_small = |lamp: &DirectedLight| lamp.radius_deg.is_none_or(|radius_deg| radius_deg <= WIDEST_DEG);
+    scene.solver.method != Method::MonteCarlo
+        && scene.viewer.phi_deg.len() <= MOST_AZIMUTHS
+        && scene.viewer.field_deg <= WIDEST_DEG
+        && scene.lighting.directed.iter().all(is_small)
 }
 
 fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {

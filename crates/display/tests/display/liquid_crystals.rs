@@ -30,26 +30,17 @@ fn spectra(scene: &Scene) -> Vec<Vec<Vec<f64>>> {
 }
 
 /// In diffuse light a bare panel shows the pixel at the mirror angle: the table of harmonics over azimuth against the pixel
-/// itself, in an ideal antireflection surface; and under a face with all orders of reflection.
+/// itself, in an ideal antireflection surface. (Below a face, see `polarised_crystals`.)
 #[test]
 fn views_at_any_azimuth_see_the_pixel_at_that_azimuth() {
     let angles = ["viewer.theta_deg=[0,25,50,75]", "viewer.phi_deg=[0,33,120,213,300]"];
-    let faces = ["display.glass.surface=ideal-ar", "display.glass.surface=fresnel"];
-    for (face, has_face) in faces.into_iter().zip([false, true]) {
-        let scene = twisted(&[&angles[..], &[face]].concat());
-        let found = spectra(&scene);
-        for (at, (theta_deg, phi_deg)) in scene.viewer.directions().enumerate() {
-            let alone = scan_at(&scene, &[theta_deg], phi_deg).unwrap();
-            let beta = theta_deg.to_radians().sin();
-            let r = papilio_optics::interface::fresnel_reflectance(1.0, 1.5, beta);
-            for ((_, pixel), seen) in alone.states.iter().zip(&found[at]) {
-                for (pixel, seen) in pixel.iter().zip(seen) {
-                    let expected =
-                        if has_face { r + (1.0 - r).powi(2) * pixel / (1.0 - r * pixel) } else { *pixel };
-                    // Oblique faces polarise what passes them; near the normal they hardly do.
-                    let tolerance = if has_face && theta_deg > 30.0 { 0.05 } else { 5e-4 };
-                    assert!((seen - expected).abs() < tolerance, "{theta_deg} {phi_deg}: {seen} {expected}");
-                }
+    let scene = twisted(&[&angles[..], &["display.glass.surface=ideal-ar"]].concat());
+    let found = spectra(&scene);
+    for (at, (theta_deg, phi_deg)) in scene.viewer.directions().enumerate() {
+        let alone = scan_at(&scene, &[theta_deg], phi_deg).unwrap();
+        for ((_, pixel), seen) in alone.states.iter().zip(&found[at]) {
+            for (pixel, seen) in pixel.iter().zip(seen) {
+                assert!((seen - pixel).abs() < 5e-4, "{theta_deg} {phi_deg}: {seen} {pixel}");
             }
         }
     }
@@ -173,8 +164,8 @@ fn computations_without_azimuth_are_refused() {
     run(&uniform).unwrap();
 }
 
-/// A run computes the pixel towards its views and lamps alone. A map of all views computes more of the same table: in the direction of a view both are
-/// the same, and a prepared display takes what it needs after each change.
+/// A run computes the pixel in the directions that its views and lamps need. A map of all views interpolates in a table, within 1e-4; and a prepared
+/// display takes what it needs after each change.
 #[test]
 fn views_see_the_same_pixel_as_a_map_of_all_directions() {
     let scene = twisted(&["viewer.theta_deg=[30]", "viewer.phi_deg=[70]", "viewer.field_deg=0"]);
@@ -196,5 +187,5 @@ fn views_see_the_same_pixel_as_a_map_of_all_directions() {
     let state = alone.views[0].states.get("white").unwrap();
     let number = map.states.iter().position(|name| name == "white").unwrap();
     let seen = map.views[4].states[number].reflectance_factor_y;
-    assert!((seen / state.value.Y - 1.0).abs() < 1e-9, "{seen} {}", state.value.Y);
+    assert!((seen - state.value.Y).abs() < 1e-4, "{seen} {}", state.value.Y);
 }

@@ -36,6 +36,7 @@ mod one_model;
 mod picture;
 mod picture_samples;
 mod placed;
+mod polarised_crystals;
 mod port;
 mod prepared;
 mod shown;

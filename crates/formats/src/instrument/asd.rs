@@ -69,7 +69,7 @@ pub(super) fn read(table: Table<'_>, head: &Head) -> Result<SpectralFile, Format
             sample.spectrum.push((nm, row.number(k + 1)?, row.cells[k + 1].bytes()));
         }
     }
-    let mut file = SpectralFile { format: FORMAT, kind, samples, observer: None, notes: Vec::new() };
+    let mut file = SpectralFile::new(FORMAT, kind, samples, Vec::new());
     if says("is raw data") {
         file.notes.push(
             "raw counts of a detector are a spectrum only if its sensitivity is corrected for".to_owned(),

@@ -3,7 +3,7 @@
 
 use papilio_colour::Standard;
 
-use super::{Kind, Sample, Source, SpectralFile, observer};
+use super::{Kind, Sample, Source, SpectralFile, illuminant, observer};
 use crate::error::FormatError;
 
 const FORMAT: &str = "CGATS";
@@ -120,6 +120,51 @@ impl<'a> Parts<'a> {
         stated.next()
     }
 
+    /// Returns the illuminant of the colours: of `WEIGHTING_FUNCTION "ILLUMINANT, D50"`, or `ILLUMINATION_NAME "D50"`.
+    fn illuminant(&self) -> Option<String> {
+        let pairs = self.head.windows(2).filter(|pair| pair[0].line == pair[1].line);
+        let mut stated = pairs.filter_map(|pair| match pair[0].text {
+            "ILLUMINATION_NAME" | "ILLUMINANT" | "ILLUMINANT_NAME" | "MEASUREMENT_SOURCE" => {
+                illuminant(pair[1].text)
+            }
+            "WEIGHTING_FUNCTION" if pair[1].text.to_ascii_uppercase().starts_with("ILLUMINANT") => {
+                illuminant(pair[1].text)
+            }
+            _ => None,
+        });
+        stated.next()
+    }
+
+    /// Checks what keywords state of the spectra against their fields.
+    fn check_spectral(&self, spectral: &[(usize, f64)], source: Source<'_>) -> Result<(), FormatError> {
+        let wrong = |keyword: &str, what: String| {
+            Err(source.at(source.range(self.value(keyword).unwrap_or_default()), what))
+        };
+        let (bands, count) = (self.number("SPECTRAL_BANDS"), spectral.len());
+        if let Some(bands) = bands.filter(|bands| count > 0 && *bands != count as f64) {
+            return wrong(
+                "SPECTRAL_BANDS",
+                format!("SPECTRAL_BANDS is {bands}, and {count} fields are of spectra"),
+            );
+        }
+        let ends = [("SPECTRAL_START_NM", spectral.first()), ("SPECTRAL_END_NM", spectral.last())];
+        for (keyword, field) in ends {
+            // Names of fields are rounded to nm.
+            let stated = self.number(keyword).zip(field);
+            if let Some((stated, (field, nm))) = stated.filter(|(stated, (_, nm))| (stated - nm).abs() > 0.51)
+            {
+                let name = self.fields[*field].text;
+                return wrong(keyword, format!("{keyword} is {stated}, and the field {name} is of {nm} nm"));
+            }
+        }
+        match self.number("SPECTRAL_NORM").filter(|norm| *norm <= 0.0) {
+            Some(norm) => {
+                wrong("SPECTRAL_NORM", format!("SPECTRAL_NORM is {norm}; expected a number above 0"))
+            }
+            None => Ok(()),
+        }
+    }
+
     fn kind(&self) -> Kind {
         let stated = |key: &str| self.value(key).unwrap_or_default().to_ascii_uppercase();
         let words = ["MEAS_TYPE", "DEVICE_CLASS", "MEASUREMENT_TYPE"].map(stated);
@@ -208,6 +253,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
         parts.field(&["SAMPLE_NAME", "SampleName", "NAME", "SAMPLE_ID", "SampleID", "SAMPLE_LOC", "STRING"]);
     let (spectral, pairs) = (parts.spectral(), pairs(parts.fields));
     let (lab, xyz) = (parts.colour(["LAB_L", "LAB_A", "LAB_B"]), parts.colour(["XYZ_X", "XYZ_Y", "XYZ_Z"]));
+    parts.check_spectral(&spectral, source)?;
     if spectral.is_empty() && pairs.is_empty() && lab.is_none() && xyz.is_none() {
         let what =
             "it has no spectra (fields SPEC_380, ...), no LAB_L, LAB_A, LAB_B and no XYZ_X, XYZ_Y, XYZ_Z"
@@ -222,7 +268,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
     let deviation = of_xyz.or(of_lab);
     let has_spectra = !(spectral.is_empty() && pairs.is_empty());
     let unused = parts.unused_deviations(deviation.filter(|_| !has_spectra), xyz.is_some(), has_spectra);
-    let norm = parts.number("SPECTRAL_NORM").filter(|norm| *norm > 0.0);
+    let norm = parts.number("SPECTRAL_NORM");
     let mut samples = Vec::with_capacity(sets);
     for (k, row) in parts.data.chunks(count).enumerate() {
         let number = |field: usize| {
@@ -253,7 +299,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
             }
         };
         samples.push(Sample {
-            name: names.map_or_else(|| (k + 1).to_string(), |field| row[field].text.trim().to_owned()),
+            // A single sample without a name is called as its file.
+            name: match names {
+                Some(field) => row[field].text.trim().to_owned(),
+                None if sets == 1 => String::new(),
+                None => (k + 1).to_string(),
+            },
             at: at(names.unwrap_or(0)),
             spectrum,
             lab: lab.map(three).transpose()?,
@@ -262,8 +313,9 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
             ..Sample::default()
         });
     }
-    let (kind, observer, notes) = (parts.kind(), parts.observer(), unused.into_iter().collect());
-    let mut file = SpectralFile { format: FORMAT, kind, samples, observer, notes };
+    let (observer, illuminant) = (parts.observer(), parts.illuminant());
+    let new = SpectralFile::new(FORMAT, parts.kind(), samples, unused.into_iter().collect());
+    let mut file = SpectralFile { observer, illuminant, ..new };
     file.scale_xyz();
     if parts.has_more {
         file.notes.push("only the first table of the file is read".to_owned());

@@ -1,9 +1,11 @@
 //! CxF3, the Color Exchange Format of X-Rite and ISO 17972-1: XML with an element `Object` for each sample.
 
+use std::ops::Range;
+
 use papilio_colour::Standard;
 use roxmltree::Node;
 
-use super::{Kind, Sample, Source, SpectralFile, observer};
+use super::{Kind, Sample, Source, SpectralFile, illuminant, observer};
 use crate::error::FormatError;
 
 const FORMAT: &str = "CxF";
@@ -31,6 +33,12 @@ fn observer_of<'a>(root: Node<'a, 'a>, colour: Node<'a, 'a>) -> Option<Standard>
     observer(named(specification, "Observer").next()?.text()?)
 }
 
+/// Returns the illuminant of a colour, such as `D50`.
+fn illuminant_of<'a>(root: Node<'a, 'a>, colour: Node<'a, 'a>) -> Option<String> {
+    let specification = specification(root, colour)?;
+    illuminant(named(specification, "Illuminant").next()?.text()?)
+}
+
 /// Returns the first wavelength and the step of a spectrum, nm: its own, or those of its specification.
 fn wavelengths<'a>(root: Node<'a, 'a>, spectrum: Node<'a, 'a>) -> Option<(f64, f64)> {
     let range = specification(root, spectrum)
@@ -42,6 +50,13 @@ fn wavelengths<'a>(root: Node<'a, 'a>, spectrum: Node<'a, 'a>) -> Option<(f64, f
     Some((of("StartWL")?, of("Increment")?))
 }
 
+/// Returns the place of an element's first tag.
+fn start_tag(text: &str, node: Node<'_, '_>) -> Range<usize> {
+    let whole = node.range();
+    let length = text[whole.clone()].find('>').map_or(whole.len(), |end| end + 1);
+    whole.start..whole.start + length
+}
+
 pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<SpectralFile, FormatError> {
     const SPECTRA: [(&str, Kind); 3] = [
         ("ReflectanceSpectrum", Kind::Reflectance),
@@ -51,7 +66,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
     let source = Source { name, text, format: FORMAT };
     let wrong = |node: Node<'_, '_>, what: String| source.at(node.range(), what);
     let (samples, notes) = (Vec::new(), Vec::new());
-    let mut file = SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes };
+    let mut file = SpectralFile::new(FORMAT, Kind::Unstated, samples, notes);
     let mut further = 0;
     for object in named(root, "Object") {
         let Some(values) = object.children().find(|node| node.tag_name().name() == "ColorValues") else {
@@ -59,7 +74,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
         };
         let mut sample = Sample {
             name: object.attribute("Name").unwrap_or_default().trim().to_owned(),
-            at: object.range(),
+            at: start_tag(text, object),
             ..Sample::default()
         };
         for spectrum in values.children() {
@@ -89,6 +104,7 @@ pub(super) fn read<'a>(name: &str, text: &str, root: Node<'a, 'a>) -> Result<Spe
         let mut colour = |tag: &str, parts: [&str; 3]| {
             let colour = values.children().find(|node| node.tag_name().name() == tag)?;
             file.observer = file.observer.or_else(|| observer_of(root, colour));
+            file.illuminant = file.illuminant.take().or_else(|| illuminant_of(root, colour));
             let part =
                 |part: &str| number(colour.children().find(|node| node.tag_name().name() == part)?.text()?);
             let [a, b, c] = parts.map(part);

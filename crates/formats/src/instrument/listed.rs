@@ -1,6 +1,8 @@
 //! Tables of light meters (Sekonic, UPRtek): a row for each quantity, those of the spectrum named
 //! `Spectral Data 380[nm]` or `380nm`.
 
+use papilio_diagnostics::Diagnostic;
+
 use super::{Kind, Sample, SpectralFile};
 use crate::error::FormatError;
 use crate::table::{Row, Table};
@@ -27,8 +29,15 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
     if rows.len() < FEWEST {
         return Ok(None);
     }
-    // The spectrum may be given twice, in steps of 5 nm and of 1 nm.
+    // The spectrum may be given twice, in steps of 5 nm and of 1 nm: the second one begins again at the first wavelength.
     let blocks = rows.chunk_by(|a, b| a.0 < b.0);
+    if let Some(wrong) = blocks.clone().skip(1).find(|block| block[0].0 != rows[0].0) {
+        let (nm, row) = &wrong[0];
+        let problem = Diagnostic::new(format!("the wavelength {nm} nm is not above that of the row before"))
+            .expected("the wavelengths of a spectrum in ascending order, each once")
+            .hint("a second spectrum in other steps begins at the wavelength of the first one");
+        return Err(row.error(problem.into()));
+    }
     let Some(block) = blocks.max_by_key(|block| block.len()) else { return Ok(None) };
     let row_of =
         |name: &str| table.data().find(|row| row.cells.first().is_some_and(|cell| cell.text.trim() == name));
@@ -45,5 +54,5 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
         }
         samples.push(sample);
     }
-    Ok(Some(SpectralFile { format: FORMAT, kind: Kind::Light, samples, observer: None, notes: Vec::new() }))
+    Ok(Some(SpectralFile::new(FORMAT, Kind::Light, samples, Vec::new())))
 }

@@ -46,6 +46,8 @@ pub(crate) struct SpectralFile {
     pub(crate) samples: Vec<Sample>,
     /// Observer of the colours, if the file states it.
     pub(crate) observer: Option<Standard>,
+    /// Illuminant of the colours, such as `D50`, if the file states it.
+    pub(crate) illuminant: Option<String>,
     /// How the file was interpreted.
     pub(crate) notes: Vec<String>,
 }
@@ -101,13 +103,28 @@ pub(crate) fn read(file: &DataFile) -> Result<Option<SpectralFile>, FormatError>
 /// Reads an XML file; `None` if its outermost element is unknown.
 fn xml(name: &str, text: &str) -> Result<Option<SpectralFile>, FormatError> {
     // The declaration of an encoding refers to the bytes, which are decoded.
-    let Ok(document) = roxmltree::Document::parse(text) else { return Ok(None) };
+    let document = roxmltree::Document::parse(text).map_err(|error| {
+        let place = line_start(text, error.pos().row as usize);
+        Source { name, text, format: "XML" }.at(place, format!("it ends early or is damaged ({error})"))
+    })?;
     let root = document.root_element();
     match root.tag_name().name() {
         "CxF" => cxf::read(name, text, root).map(Some),
         tag if tag.to_ascii_uppercase().starts_with("IESTM27") => tm27::read(name, text, root).map(Some),
-        _ => Ok(None),
+        tag => {
+            let what = format!("its element is `{tag}`; CxF and IES TM-27 are read");
+            Err(Source { name, text, format: "XML" }.at(line_start(text, 1), what))
+        }
     }
+}
+
+/// The first word of a line, counted from 1, bytes; empty after the last line.
+fn line_start(text: &str, line: usize) -> Range<usize> {
+    let lines = text.split_inclusive('\n');
+    let start: usize = lines.take(line.saturating_sub(1)).map(str::len).sum();
+    let word = text.get(start..).and_then(|rest| rest.split_whitespace().next()).unwrap_or_default();
+    let at = text.get(start..).and_then(|rest| rest.find(word)).map_or(start, |skipped| start + skipped);
+    at..at + word.len().min(40)
 }
 
 /// The text of a file in one of these formats, for errors with their place.
@@ -149,6 +166,17 @@ impl Source<'_> {
     }
 }
 
+/// Returns the illuminant that a text such as `D50` or `ILLUMINANT, D65` names.
+pub(crate) fn illuminant(text: &str) -> Option<String> {
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
+    let is_known = |word: &&str| {
+        let digits = |rest: &str| !rest.is_empty() && rest.bytes().all(|byte| byte.is_ascii_digit());
+        ["A", "C", "E"].contains(word)
+            || ["D", "F", "LED"].iter().any(|kind| word.strip_prefix(kind).is_some_and(digits))
+    };
+    words.filter(|word| !word.is_empty()).find(is_known).map(str::to_owned)
+}
+
 /// Returns the observer that a text such as `2 degree` or `10_Degree` names.
 pub(crate) fn observer(text: &str) -> Option<Standard> {
     match text.trim_matches(|c: char| !c.is_ascii_digit()) {
@@ -159,6 +187,11 @@ pub(crate) fn observer(text: &str) -> Option<Standard> {
 }
 
 impl SpectralFile {
+    /// A file that states neither the observer nor the illuminant of colours.
+    pub(crate) fn new(format: &'static str, kind: Kind, samples: Vec<Sample>, notes: Vec<String>) -> Self {
+        Self { format, kind, samples, observer: None, illuminant: None, notes }
+    }
+
     /// Divides reflectances in per cent by 100; without a stated scale, values above 1.5 show that they are.
     pub(crate) fn divide_per_cent(&mut self) {
         let values = || self.samples.iter().flat_map(|sample| &sample.spectrum);

@@ -60,5 +60,5 @@ pub(super) fn read(table: Table<'_>) -> Result<SpectralFile, FormatError> {
         }
     }
     let (samples, notes) = (vec![sample], Vec::new());
-    Ok(SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes })
+    Ok(SpectralFile::new(FORMAT, Kind::Unstated, samples, notes))
 }

@@ -35,8 +35,7 @@ pub(super) fn read(name: &str, source: &str, root: Node<'_, '_>) -> Result<Spect
     }
     let is_corrected = text("BandwidthCorrected") == "true";
     let bandwidth: Option<f64> = text("BandwidthFWHM").parse().ok();
-    let mut file =
-        SpectralFile { format: FORMAT, kind, samples: Vec::new(), observer: None, notes: Vec::new() };
+    let mut file = SpectralFile::new(FORMAT, kind, Vec::new(), Vec::new());
     if let Some(width) = bandwidth.filter(|width| *width > 5.0 && !is_corrected) {
         file.notes.push(format!("the bandwidth of {width} nm is not corrected for"));
     }

@@ -84,8 +84,7 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
         }
         samples.push(sample);
     }
-    let mut file =
-        SpectralFile { format: FORMAT, kind: Kind::Unstated, samples, observer: None, notes: header.notes };
+    let mut file = SpectralFile::new(FORMAT, Kind::Unstated, samples, header.notes);
     if unit.is_none() {
         file.divide_per_cent();
     }

@@ -13,8 +13,15 @@ use crate::states::{Accept, Value, read_states, two_values};
 pub enum PaletteTable {
     /// Spectral reflectance factors.
     Spectra(Vec<(String, Tabulated)>),
-    /// CIELAB, and the observer if the file states it.
-    Lab(Vec<(String, Lab)>, Option<Standard>),
+    /// CIELAB.
+    Lab {
+        /// Colours by state.
+        colours: Vec<(String, Lab)>,
+        /// The observer, if the file states it.
+        observer: Option<Standard>,
+        /// The illuminant, such as `D50`, if the file states it.
+        illuminant: Option<String>,
+    },
 }
 
 /// Reads a measured palette, with notes on how the file was read.
@@ -68,7 +75,7 @@ fn of_table(file: &DataFile) -> Result<Warned<PaletteTable>, FormatError> {
         }
     }
     let value = match spectra.is_empty() {
-        true => PaletteTable::Lab(colours, read.observer),
+        true => PaletteTable::Lab { colours, observer: read.observer, illuminant: read.illuminant },
         false => PaletteTable::Spectra(spectra),
     };
     Ok(Warned { value, warnings: read.notes })

@@ -211,7 +211,7 @@ fn observer_of_colours_is_read() {
     let cgats = "CGATS.17\nWEIGHTING_FUNCTION \"ILLUMINANT, D65\"\nWEIGHTING_FUNCTION \"OBSERVER, 10 degree\"\nBEGIN_DATA_FORMAT\n\
                  SAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite 70.5 -1.2 3.4\nEND_DATA\n";
     for file in [data(name, bytes), data("lab.txt", cgats.as_bytes())] {
-        let PaletteTable::Lab(colours, observer) = read_palette(&file).unwrap().value else {
+        let PaletteTable::Lab { colours, observer, .. } = read_palette(&file).unwrap().value else {
             panic!("spectra")
         };
         assert_eq!((colours[0].1.l, observer), (70.5, Some(Standard::Cie1964)), "{}", file.name);
@@ -219,8 +219,134 @@ fn observer_of_colours_is_read() {
         assert!(notes.iter().any(|note| note.contains("10 deg observer")), "{notes:?}");
     }
     let two = cgats.replace("10 degree", "2 degree");
-    let PaletteTable::Lab(_, observer) = read_palette(&data("lab.txt", two.as_bytes())).unwrap().value else {
+    let PaletteTable::Lab { observer, .. } = read_palette(&data("lab.txt", two.as_bytes())).unwrap().value
+    else {
         panic!("spectra")
     };
     assert_eq!(observer, Some(Standard::Cie1931));
+}
+
+/// Colours are those in the illuminant that the file states, in CxF and in the spellings of CGATS; spectra have none.
+#[test]
+fn illuminant_of_colours_is_read() {
+    let cgats = |keywords: &str| {
+        format!(
+            "CGATS.17\n{keywords}\nBEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite 70.5 -1.2 3.4\n\
+             END_DATA\n"
+        )
+    };
+    let cxf = "<CxF><Object Name=\"white\"><ColorValues><ColorCIELab ColorSpecification=\"c\"><L>70.5</L><A>-1.2</A><B>3.4</B></ColorCIELab>\
+               </ColorValues></Object><ColorSpecification Id=\"c\"><TristimulusSpec><Illuminant>D50</Illuminant></TristimulusSpec>\
+               </ColorSpecification></CxF>";
+    for (text, stated) in [
+        (
+            cgats("WEIGHTING_FUNCTION \"ILLUMINANT, D50\"\nWEIGHTING_FUNCTION \"OBSERVER, 2 degree\""),
+            Some("D50"),
+        ),
+        (cgats("ILLUMINATION_NAME \"D65\"\nOBSERVER \"2\""), Some("D65")),
+        (
+            cgats("MEASUREMENT_SOURCE \"Illumination=D50 ObserverAngle=2 degree WhiteBase=Abs Filter=no\""),
+            Some("D50"),
+        ),
+        (cgats("ILLUMINANT \"unknown\""), None),
+        (cxf.to_owned(), Some("D50")),
+    ] {
+        let file = data("panel.txt", text.as_bytes());
+        let PaletteTable::Lab { illuminant, .. } = read_palette(&file).unwrap().value else {
+            panic!("spectra")
+        };
+        assert_eq!(illuminant.as_deref(), stated, "{text}");
+        let notes = read_measured_panel(&file).unwrap().warnings;
+        let is_noted = notes.iter().any(|note| note.contains("are those in D"));
+        assert_eq!(is_noted, stated.is_some(), "{text}: {notes:?}");
+    }
+    let spectra = cgats("ILLUMINANT \"D50\"")
+        .replace("LAB_L LAB_A LAB_B", "SPEC_400 SPEC_500 SPEC_600")
+        .replace("70.5 -1.2 3.4", "0.1 0.2 0.3");
+    assert!(read_measured_panel(&data("panel.txt", spectra.as_bytes())).unwrap().warnings.is_empty());
+}
+
+/// What a file states of its spectra must be what it has.
+#[test]
+fn keywords_of_spectra_are_checked() {
+    let (name, bytes) = laboratory!("lamp.sp");
+    let right = text(bytes);
+    let of = |key: &str| right.lines().find(|line| line.starts_with(key)).unwrap().to_owned();
+    for (key, value) in [
+        ("SPECTRAL_BANDS", "7"),
+        ("SPECTRAL_END_NM", "9000"),
+        ("SPECTRAL_START_NM", "1.5"),
+        ("SPECTRAL_NORM", "0"),
+    ] {
+        let wrong = right.replace(&of(key), &format!("{key} \"{value}\""));
+        assert_ne!(wrong, right);
+        let error = read_light(&data(name, wrong.as_bytes())).unwrap_err();
+        let (line, column) = error.place.line_column().unwrap();
+        let expected = wrong.lines().position(|line| line.starts_with(key)).unwrap() + 1;
+        assert_eq!((line, column), (expected, key.len() + 3), "{error}");
+        assert!(error.to_string().contains(&format!("{key} is {value}")), "{error}");
+    }
+}
+
+/// A sample alone without a name is that of its file, in Argyll's `.sp`, too.
+#[test]
+fn single_sample_of_argyll_has_the_name_of_its_file() {
+    let sp = "SPECT\nMEAS_TYPE \"REFLECTIVE\"\nSPECTRAL_BANDS \"2\"\nSPECTRAL_NORM \"100\"\nNUMBER_OF_FIELDS 2\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_700\n\
+              END_DATA_FORMAT\nNUMBER_OF_SETS 1\nBEGIN_DATA\n20 30\nEND_DATA\n";
+    let read = read_measured_panel(&data("lab/white.sp", sp.as_bytes())).unwrap();
+    assert_eq!(read.value[0].state, "white");
+}
+
+/// Rows of a light meter out of order or twice are an error; a second spectrum that begins again is not.
+#[test]
+fn rows_of_a_light_meter_are_in_order() {
+    let rows = |nm: &[f64]| nm.iter().map(|nm| format!("Spectral Data {nm}[nm],0.5\n")).collect::<String>();
+    let coarse: Vec<f64> = (0..12).map(|k| 380.0 + 20.0 * f64::from(k)).collect();
+    let fine: Vec<f64> = (0..221).map(|k| 380.0 + f64::from(k)).collect();
+    let read = |nm: &[f64]| read_light(&data("meter.csv", format!("Title,one\n{}", rows(nm)).as_bytes()));
+    assert!(read(&[coarse.clone(), fine].concat()).is_ok());
+    let mut swapped = coarse.clone();
+    swapped.swap(5, 6);
+    let mut doubled = coarse.clone();
+    doubled.push(600.0);
+    for (nm, line) in [(swapped, 8), (doubled, 14)] {
+        let error = read(&nm).unwrap_err();
+        assert_eq!(error.place.line_column().map(|place| place.0), Some(line), "{error}");
+        assert!(error.to_string().contains("not above that of the row before"), "{error}");
+    }
+}
+
+/// XML that is damaged, or of another kind, is named as such, at its line.
+#[test]
+fn other_xml_is_named() {
+    let cut = "<CxF>\n<Object Name=\"white\">\n<ColorValues>";
+    let error = read_measured_panel(&data("cut.cxf", cut.as_bytes())).unwrap_err().to_string();
+    assert!(error.contains("XML file cannot be used: it ends early or is damaged"), "{error}");
+    let other = read_measured_panel(&data("a.svg", b"<svg/>")).unwrap_err();
+    assert!(
+        other.to_string().contains("its element is `svg`") && other.place.line_column() == Some((1, 1)),
+        "{other}"
+    );
+}
+
+/// German headers; names that differ in capital letters alone are one state; columns that are not read are named.
+#[test]
+fn tables_of_panels_are_read_with_care() {
+    let read = |text: &str| read_measured_panel(&data("panel.csv", text.as_bytes()));
+    let german = "Zustand;Wellenl\u{e4}nge [nm];Reflexionsgrad [%];standard_deviation\nwhite;400;13,2;0,3\nwhite;700;14;0,3\n";
+    assert!(read(german).unwrap().value[0].standard_deviation.is_some());
+    let error = read("state,X,Y,Z\nWhite,0.2,0.2,0.2\nwhite,0.3,0.3,0.3\n").unwrap_err();
+    assert_eq!(error.place.line_column(), Some((3, 1)), "{error}");
+    let notes = read("state,X,Y,Z,L,a,b\nwhite,0.2,0.2,0.2,52,0,0\n").unwrap().warnings;
+    assert!(
+        notes.iter().any(|note| note == "the columns L, a, b are not used: X, Y, Z are read"),
+        "{notes:?}"
+    );
+    let notes =
+        read("state,wavelength_nm,reflectance_factor,Y\nw,400,0.2,0.2\nw,700,0.2,0.2\n").unwrap().warnings;
+    assert!(notes.iter().any(|note| note == "the column Y is not used: the spectra are read"), "{notes:?}");
+    let index =
+        papilio_formats::read_index_within(&data("film.csv", b"nm,n\n400,1.5\n700,1.5\n"), (400.0, 700.0));
+    let index = index.unwrap();
+    assert!(index.warnings.iter().any(|note| note.contains("no column of k")), "{:?}", index.warnings);
 }

@@ -567,7 +567,7 @@ fn palette_in_any_form_is_the_same() {
         }
     }
     let lab = read_palette(&file("Sample;b*;L*;a*\nwhite;1,5;68;-0,5\n")).unwrap().value;
-    let PaletteTable::Lab(lab, None) = lab else { panic!("{lab:?}") };
+    let PaletteTable::Lab { colours: lab, observer: None, illuminant: None } = lab else { panic!("{lab:?}") };
     assert_eq!((lab[0].1.l, lab[0].1.a, lab[0].1.b), (68.0, -0.5, 1.5));
 }
 

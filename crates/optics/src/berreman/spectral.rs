@@ -1,4 +1,4 @@
-//! Reflectance of many wavelengths, directions and states for unpolarised light: the fast implementation.
+//! Reflection of many wavelengths, directions and states: the fast implementation.
 //!
 //! The equations are those of [`jones`](super::jones), with several wavelengths in the lanes of a register. Fields are
 //! relative to a medium of admittances `y` (p and s) close to those of the layers, so that waves down and up are
@@ -13,7 +13,7 @@
 mod faces;
 mod material;
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 use std::ops::Range;
 
 use faces::{face, from_front, from_medium, in_front, into_medium, out_of_medium, transparent_face};
@@ -268,6 +268,29 @@ impl SpectralWaves<'_> {
         }
         Ok(())
     }
+
+    /// Computes the reflection of polarised light, `[azimuth][state][element][wavelength]`, of waves that travel at these azimuths: by rows, the
+    /// [`ELEMENTS`](Self::ELEMENTS) of the matrix from the light that arrives to the light that leaves, each as `|p|^2`, `|s|^2`, `sqrt 2 Re(p s*)`
+    /// and `sqrt 2 Im(p s*)`.
+    ///
+    /// # Errors
+    /// If `out` has another length.
+    pub fn actions(&mut self, azimuths_deg: &[f64], out: &mut [f64]) -> Result<(), OpticsError> {
+        let row = Self::ELEMENTS * self.stack.states * self.stack.wavelength_nm.len();
+        let (expected, found) = (azimuths_deg.len() * row, out.len());
+        if found != expected {
+            return Err(OpticsError::Length { what: "reflections", expected, found });
+        }
+        for (group, materials, kept) in &mut self.groups {
+            for (azimuth_deg, out) in azimuths_deg.iter().zip(out.chunks_exact_mut(row)) {
+                group.actions((materials, kept), azimuth_deg.to_radians(), out);
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of elements of the matrix of [`actions`](Self::actions).
+    pub const ELEMENTS: usize = 16;
 }
 
 /// Some wavelengths.
@@ -282,6 +305,48 @@ struct Group<'a> {
     inverse_root: [Real; 2],
     /// Admittances of the medium above over those of the reference.
     front: [Real; 2],
+}
+
+/// What is asked of a stack.
+trait Asked {
+    type Found;
+    /// Of a reflection.
+    fn of(&self, reflection: &Action) -> Self::Found;
+    /// Of layers over a reflection.
+    fn of_layers(&self, above: &Between, below: &Action) -> Self::Found;
+}
+
+/// What a meter sees of light.
+struct Seen {
+    light: Light,
+    meter: Light,
+}
+
+impl Asked for Seen {
+    type Found = Real;
+    #[inline(always)]
+    fn of(&self, reflection: &Action) -> Real {
+        dot(self.meter, reflection.on(self.light))
+    }
+    #[inline(always)]
+    fn of_layers(&self, above: &Between, below: &Action) -> Real {
+        above.seen(below, self.light, self.meter)
+    }
+}
+
+/// The whole reflection.
+struct Whole;
+
+impl Asked for Whole {
+    type Found = Action;
+    #[inline(always)]
+    fn of(&self, reflection: &Action) -> Action {
+        *reflection
+    }
+    #[inline(always)]
+    fn of_layers(&self, above: &Between, below: &Action) -> Action {
+        above.over(below)
+    }
 }
 
 /// Transmission of thick layers whose faces to each other reflect nothing, without their outer faces.
@@ -314,41 +379,66 @@ impl<'a> Group<'a> {
         out
     }
 
-    fn reflectance(&self, (materials, kept): (&[Material], &mut [Vec<Kept>]), azimuth: f64, out: &mut [f64]) {
-        let (slabs, count) = (&self.stack.slabs, self.stack.wavelength_nm.len());
-        let below = slabs.first().map_or(0, |slab| slab.part + 1);
-        let mut amplitudes = vec![self.of_medium(&self.stack.back)];
-        for (number, material) in materials.iter().enumerate().skip(below).rev() {
-            amplitudes = self.raised(number, (material, &mut kept[number]), azimuth, &amplitudes);
-        }
+    fn reflectance(&self, parts: (&[Material], &mut [Vec<Kept>]), azimuth: f64, out: &mut [f64]) {
         let [half, one, none] = [0.5, 1.0, 0.0].map(Real::splat);
         let (light, meter) = ([half, half, none, none], [one, one, none, none]);
-        let seen = match slabs.is_empty() {
-            true => with_widest_simd(
-                #[inline(always)]
-                || {
-                    amplitudes
-                        .iter()
-                        .map(|r| dot(meter, Action::of(in_front(self.front, *r)).on(light)))
-                        .collect()
-                },
-            ),
-            false => self.through_slabs((materials, kept), azimuth, &amplitudes, [light, meter]),
-        };
+        let seen = self.reflections(parts, azimuth, &Seen { light, meter });
+        let count = self.stack.wavelength_nm.len();
         let last = (count - self.first).min(LANES);
         for (state, combination) in self.stack.combination.iter().enumerate() {
             out[state * count + self.first..][..last].copy_from_slice(&seen[*combination].0[..last]);
         }
     }
 
-    /// Returns what a meter sees of this light with thick layers above these reflections, for each combination.
-    fn through_slabs(
+    fn actions(&self, parts: (&[Material], &mut [Vec<Kept>]), azimuth: f64, out: &mut [f64]) {
+        let whole = self.reflections(parts, azimuth, &Whole);
+        let count = self.stack.wavelength_nm.len();
+        let last = (count - self.first).min(LANES);
+        for (state, combination) in self.stack.combination.iter().enumerate() {
+            for (element, value) in whole[*combination].0.iter().flatten().enumerate() {
+                // From Re and Im to sqrt 2 of them.
+                let factor = match (element / 4 < 2, element % 4 < 2) {
+                    (true, false) => FRAC_1_SQRT_2,
+                    (false, true) => SQRT_2,
+                    _ => 1.0,
+                };
+                let place = (state * SpectralWaves::ELEMENTS + element) * count + self.first;
+                let row = out[place..][..last].iter_mut().zip(value.0);
+                row.for_each(|(out, value)| *out = factor * value);
+            }
+        }
+    }
+
+    /// Returns what is asked of the whole stack, for each combination.
+    fn reflections<A: Asked>(
+        &self,
+        (materials, kept): (&[Material], &mut [Vec<Kept>]),
+        azimuth: f64,
+        asked: &A,
+    ) -> Vec<A::Found> {
+        let slabs = &self.stack.slabs;
+        let below = slabs.first().map_or(0, |slab| slab.part + 1);
+        let mut amplitudes = vec![self.of_medium(&self.stack.back)];
+        for (number, material) in materials.iter().enumerate().skip(below).rev() {
+            amplitudes = self.raised(number, (material, &mut kept[number]), azimuth, &amplitudes);
+        }
+        match slabs.is_empty() {
+            true => with_widest_simd(
+                #[inline(always)]
+                || amplitudes.iter().map(|r| asked.of(&Action::of(in_front(self.front, *r)))).collect(),
+            ),
+            false => self.through_slabs((materials, kept), azimuth, &amplitudes, asked),
+        }
+    }
+
+    /// Returns what is asked of thick layers above these reflections, for each combination.
+    fn through_slabs<A: Asked>(
         &self,
         (materials, kept): (&[Material], &mut [Vec<Kept>]),
         azimuth: f64,
         amplitudes: &[Pair],
-        [light, meter]: [Light; 2],
-    ) -> Vec<Real> {
+        asked: &A,
+    ) -> Vec<A::Found> {
         let slabs = &self.stack.slabs;
         let faces = |slab: &Slab| materials[slab.part].thick.faces;
         // What is below as the light inside the thick layer above it sees it: amplitudes down to the lowest one.
@@ -386,7 +476,7 @@ impl<'a> Group<'a> {
                     for (below, own) in &slab.combinations {
                         match next {
                             Some(_) => over.push(all[*own].over(&inside[*below])),
-                            None => seen.push(all[*own].seen(&inside[*below], light, meter)),
+                            None => seen.push(asked.of_layers(&all[*own], &inside[*below])),
                         }
                     }
                 },
@@ -565,8 +655,10 @@ impl<'a> Group<'a> {
             }
             // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
             // other has opposite signs in both.
-            for sign in [1.0, -1.0] {
-                let layer = self.layer(material, slice, azimuth, eighth * Real::splat(sign));
+            let thinner = self.layer(material, slice, azimuth, eighth * Real::splat(-1.0));
+            let quarter =
+                self.layer(material, &Slice { thickness_nm: 0.0, ..*slice }, azimuth, eighth + eighth);
+            for (sign, layer) in [(1.0, joined(&thinner, &quarter)), (-1.0, thinner)] {
                 let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
                 let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
                 let phase = Pair::diagonal(phase, phase);

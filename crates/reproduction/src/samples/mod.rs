@@ -30,7 +30,7 @@ use crate::ReproductionError;
 use crate::displays::write_example;
 pub use brdf::BrdfComparison;
 pub use figures::{SampleFigure, figures};
-pub use page::{in_words, report};
+pub use page::{in_numbers, in_words, report};
 pub use predicted::{CasePrediction, Prediction, Verdict, predict};
 
 /// Largest root mean square of z of a sample that agrees.

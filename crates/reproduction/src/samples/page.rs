@@ -55,6 +55,15 @@ pub fn in_words(verdict: Option<Verdict>) -> &'static str {
     verdict.map_or("not judged: no standard deviation", Verdict::in_words)
 }
 
+/// The number of measured numbers behind a verdict, in words.
+pub fn in_numbers(sample: &Prediction) -> String {
+    match sample.judged {
+        0 => String::new(),
+        1 => ", of one number".to_owned(),
+        count => format!(", of {count} numbers"),
+    }
+}
+
 fn section(sample: &Prediction) -> Section {
     let unknowns = if sample.unknowns.is_empty() {
         String::new()
@@ -66,7 +75,10 @@ fn section(sample: &Prediction) -> Section {
     let mut section = Section::new(sample.name.clone(), sample.title.clone())
         .say(format!("{} ({}).", sample.source, sample.licence))
         .say(format!("Inputs: {}.{unknowns}", sample.inputs))
-        .say(format!("Verdict: {}.{remark}", in_words(sample.verdict)));
+        .say(format!("Verdict: {}{}.{remark}", in_words(sample.verdict), in_numbers(sample)));
+    if !sample.not_compared.is_empty() {
+        section = section.say(format!("Not compared: {}.", sample.not_compared.join("; ")));
+    }
     let metrics = sample.cases.iter().flat_map(|case| &case.comparison.metrics);
     let mut table = Table::new(&["metric", "predicted", "measured", "z"]);
     metrics.for_each(|one| {

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use papilio_design::measured::{add_metrics, add_tolerances};
 use papilio_display::Control;
-use papilio_display::compare::{Agreement, Comparison, Measurement, Simulated, compare_measurement};
+use papilio_display::compare::{
+    Agreement, CompareError, Comparison, Measurement, Simulated, compare_measurement,
+};
 use papilio_formats::{DataFile, read_measurement};
 use papilio_scenario::{ParameterisedScenario, Scenario, Tolerance};
 use schemars::JsonSchema;
@@ -72,6 +74,10 @@ pub struct Prediction {
     pub peak_difference_rms_nm: Option<f64>,
     /// The inputs that were not printed, in words.
     pub unknowns: Vec<String>,
+    /// Number of measured numbers with a standard deviation, of which `z_rms` is.
+    pub judged: usize,
+    /// What was measured and none of the displays has, with the reasons.
+    pub not_compared: Vec<String>,
     /// The displays.
     pub cases: Vec<CasePrediction>,
 }
@@ -103,30 +109,60 @@ pub fn predict(
             .iter()
             .map(|case| brdf::predict_case(sample, case, folder))
             .collect::<Result<_, _>>()?;
-        return Ok(judged(sample, cases, &[]));
+        return Ok(judged(sample, cases, (&[], Vec::new())));
     }
     let file = DataFile::open(&folder.join(&sample.measured), &sample.measured)?;
     let measurement = read_measurement(&file)?.value;
     let mut cases = Vec::new();
     let mut with_unknowns = Vec::new();
+    let mut lost: Option<Vec<Option<String>>> = None;
     for (number, case) in sample.cases.iter().enumerate() {
         let part = [number, number + 1].map(|done| done as f64 / sample.cases.len() as f64);
         let found = control.within(part, |control| predict_case(sample, case, folder, &measurement, control));
-        let [stated, widened] = found?;
+        let ([stated, widened], lost_here) = found?;
+        lost = Some(match lost {
+            Some(before) => {
+                before.into_iter().zip(lost_here).map(|(before, here)| before.and(here)).collect()
+            }
+            None => lost_here,
+        });
         cases.push(CasePrediction { name: case.name.clone(), comparison: stated, brdf: None });
         with_unknowns.push(widened);
     }
-    Ok(judged(sample, cases, &with_unknowns))
+    let mut not_compared: Vec<String> = lost.unwrap_or_default().into_iter().flatten().collect();
+    not_compared.dedup();
+    Ok(judged(sample, cases, (&with_unknowns, not_compared)))
+}
+
+/// The reason for each measured state and metric, in this order, that a display does not have.
+fn lost(simulated: &Simulated, measurement: &Measurement) -> Vec<Option<String>> {
+    let states = measurement
+        .states
+        .iter()
+        .map(|one| Measurement { states: vec![one.clone()], ..Measurement::default() });
+    let metrics = measurement.metrics.iter();
+    let metrics = metrics.map(|one| Measurement { metrics: vec![one.clone()], ..Measurement::default() });
+    let reason = |one: Measurement| match compare_measurement(simulated, &one) {
+        Ok(_) => None,
+        Err(CompareError::Nothing { reasons }) => Some(reasons.join("; ")),
+    };
+    states.chain(metrics).map(reason).collect()
 }
 
 /// Judges the displays of a sample.
-fn judged(sample: &Sample, cases: Vec<CasePrediction>, with_unknowns: &[Comparison]) -> Prediction {
+fn judged(
+    sample: &Sample,
+    cases: Vec<CasePrediction>,
+    (with_unknowns, not_compared): (&[Comparison], Vec<String>),
+) -> Prediction {
     let stated: Vec<&Comparison> = cases.iter().map(|case| &case.comparison).collect();
-    let z_rms = z_rms(&stated);
+    let agreement = Agreement::together(stated.iter().filter_map(|one| one.agreement));
+    let z_rms = agreement.map(|agreement| agreement.z_rms);
     let z_rms_with_unknowns = if sample.unknowns.is_empty() {
         None
     } else {
-        self::z_rms(&with_unknowns.iter().collect::<Vec<_>>())
+        Agreement::together(with_unknowns.iter().filter_map(|one| one.agreement))
+            .map(|agreement| agreement.z_rms)
     };
     let verdict = z_rms.map(|z| match z_rms_with_unknowns {
         _ if z <= AGREES => Verdict::Agrees,
@@ -155,18 +191,21 @@ fn judged(sample: &Sample, cases: Vec<CasePrediction>, with_unknowns: &[Comparis
         delta_e_2000_mean: mean(states().filter_map(|one| one.delta_E_2000)),
         peak_difference_rms_nm: mean(peaks.map(|off| off * off)).map(f64::sqrt),
         unknowns: sample.unknowns.iter().map(|one| one.what.clone()).collect(),
+        judged: agreement.map_or(0, |agreement| agreement.count),
+        not_compared,
         cases,
     }
 }
 
-/// Compares a display with the errors of the printed inputs, and with those of all inputs.
+/// Compares a display with the errors of the printed inputs, and with those of all inputs; with the reasons for what it does not have
+/// ([`lost`]).
 fn predict_case(
     sample: &Sample,
     case: &Case,
     folder: &Path,
     measurement: &Measurement,
     control: &Control<'_>,
-) -> Result<[Comparison; 2], ReproductionError> {
+) -> Result<([Comparison; 2], Vec<Option<String>>), ReproductionError> {
     let path = folder.join(&sample.scenario);
     let set: Vec<String> = case.set.iter().map(|(key, value)| format!("{key}={value}")).collect();
     let resolved = Scenario::load(&path, &set)?.resolve()?;
@@ -190,7 +229,7 @@ fn predict_case(
     };
     let stated = compared(&printed)?;
     let widened = if sample.unknowns.is_empty() { stated.clone() } else { compared(&all)? };
-    Ok([stated, widened])
+    Ok(([stated, widened], lost(&simulated, measurement)))
 }
 
 /// Adds the standard deviations by the distributions of inputs.
@@ -208,11 +247,6 @@ fn add_inputs(
     let threads =
         control.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     Ok(add_tolerances(simulated, measurement, &tolerance, (threads, control.stop), &|_| {})?)
-}
-
-/// Root mean square of all z.
-fn z_rms(all: &[&Comparison]) -> Option<f64> {
-    Agreement::together(all.iter().filter_map(|one| one.agreement)).map(|agreement| agreement.z_rms)
 }
 
 /// Root mean square difference of reflectance factors, or of the one metric if there are no spectra, and what it is of.

@@ -134,6 +134,32 @@ fn tails_of_etched_glass_explain_its_haze_and_not_its_gloss() {
     assert!(rms(&gaussian, "gloss_60") > AGREES && rms(&tails, "gloss_60") > rms(&gaussian, "gloss_60"));
 }
 
+/// Rows that no display of a list has are named; those of another case are not, and the verdict says how many numbers it is of.
+#[test]
+fn what_no_case_has_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let glass = SampleList::shipped(folder.path()).unwrap().only("clear-glass").unwrap();
+    let files = SampleList::folder(folder.path());
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let whole = predict(&glass.samples[0], &files, &control).unwrap();
+    let measured = files.join(&glass.samples[0].measured);
+    let rows = std::fs::read_to_string(&measured).unwrap();
+    // The display has steps of 10 nm, the measurement of 5 nm here and there.
+    let nm = |row: &str| row.split(',').nth(1).and_then(|nm| nm.parse::<f64>().ok());
+    let is_seen = |row: &&str| row.starts_with("thi") && nm(row).is_some_and(|nm| nm % 10.0 == 0.0);
+    assert_eq!(whole.judged, rows.lines().filter(is_seen).count());
+    assert!(whole.not_compared.is_empty(), "{:?}", whole.not_compared);
+    let one = SampleList {
+        samples: vec![Sample { cases: glass.samples[0].cases[..1].to_vec(), ..glass.samples[0].clone() }],
+    };
+    let half = predict(&one.samples[0], &files, &control).unwrap();
+    assert!(half.judged < whole.judged && half.judged > 0);
+    let [lost] = &half.not_compared[..] else { panic!("{:?}", half.not_compared) };
+    assert!(lost.starts_with("the result has no such state: thick"), "{lost}");
+    let page = report(&[half]).html();
+    assert!(page.contains("Not compared: the result has no such state: thick"));
+}
+
 #[test]
 fn bad_lists_are_refused_with_their_place() {
     let said = |text: &str| SampleList::parse(text, "mine.toml").unwrap_err().to_string();

@@ -135,7 +135,8 @@ table! {
     LampPolarisation {
         /// Degree of linear polarisation.
         degree as "Degree of polarisation": Share = Share(1.0),
-        /// Angle of its electric field from the plane of incidence: 0 is p, 90 is s.
+        /// Angle of its electric field from the plane of incidence, counter-clockwise as seen from the lamp: 0 is p, 90 is
+        /// s.
         angle_deg as "Angle of polarisation": PolariserAngle,
     }
 }

@@ -316,8 +316,8 @@ table! {
     PalettePixel {
         /// A CSV file with the columns state, wavelength_nm, reflectance_factor, or state, L, a, b.
         file: String,
-        /// The CIE illuminant of L\*, a\*, b\*. Spectra need none.
-        illuminant as "Illuminant of L*, a*, b*": String = "D50".to_owned(),
+        /// The CIE illuminant of L\*, a\*, b\*; spectra need none. Default: the one that the file states, or D50.
+        illuminant as "Illuminant of L*, a*, b*": Option<String>,
         /// The flat face through which the values were measured; those of the inks are recovered. Default:
         /// the colours are used as they are.
         measured_through as "Measured through": Option<MeasuredThrough>,

@@ -280,10 +280,9 @@ impl Resolver<'_> {
         Spectrum::from_values(index.iter().zip(self.grid.wavelengths_nm()).map(transmittance).collect())
     }
 
-    /// Notes that a thickness does not change colours, unless the display has a matrix, for which it is
-    /// needed.
+    /// Notes that a thickness does not change colours, unless it has another purpose.
     fn note_length(&mut self, path: &str, why: &str) {
-        if !self.has_matrix {
+        if !self.needs_lengths {
             self.notes.push(format!("{path}.thickness_mm has no effect on colours: {why}"));
         }
     }

@@ -118,8 +118,8 @@ struct Resolver<'a> {
     surfaces: Vec<LayerSurface>,
     /// Surfaces by their geometry that have heights, by the key of their layer.
     known_faces: Vec<(String, KnownFace)>,
-    /// Whether the display has a matrix, and lengths have a purpose besides absorption.
-    has_matrix: bool,
+    /// Whether lengths have a purpose besides absorption: below a matrix, and at the port of a sphere.
+    needs_lengths: bool,
 }
 
 /// A face between two layers whose heights are known.
@@ -199,7 +199,7 @@ impl<'a> Resolver<'a> {
             surfaces: Vec::new(),
             known_faces: Vec::new(),
             reflects_nothing: false,
-            has_matrix: false,
+            needs_lengths: false,
         })
     }
 }

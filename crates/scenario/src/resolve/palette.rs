@@ -27,14 +27,15 @@ impl Resolver<'_> {
         let table = self.data_with_notes(&pixel.file, pixel.file.origin, read_palette)?;
         let count = match &table {
             PaletteTable::Spectra(states) => states.len(),
-            PaletteTable::Lab(states, _) => states.len(),
+            PaletteTable::Lab { colours, .. } => colours.len(),
         };
         self.limit(&pixel.file, "states", count, 256)?;
         // Spectra do not need the illuminant, but a wrong name is a mistake.
         let [first, last] = RANGE_NM;
         let grid = Grid::new(first, last, STEP_NM).ok()?;
-        let Ok(light) = illuminant(&pixel.illuminant.value, &grid) else {
-            self.err(&pixel.illuminant, mistake::unknown_light(&pixel.illuminant.value));
+        let name = self.light_of_palette(pixel, &table)?;
+        let Ok(light) = illuminant(&name, &grid) else {
+            self.err(&pixel.illuminant, mistake::unknown_light(&name));
             return None;
         };
         let face = self.face(&pixel.measured_through);
@@ -49,13 +50,13 @@ impl Resolver<'_> {
                     })
                     .collect::<Option<_>>()?
             }
-            PaletteTable::Lab(states, observer) => {
+            PaletteTable::Lab { colours, observer, .. } => {
                 let observer = Observer::of(observer.unwrap_or(Standard::Cie1931), &grid).ok()?;
                 self.warnings.push(format!(
                     "{}: of L*, a*, b* only the colour in {} is known; its smoothest spectra are used, and colours in other light are estimates",
-                    pixel.file.value, pixel.illuminant.value
+                    pixel.file.value, name
                 ));
-                states
+                colours
                     .into_iter()
                     .map(|(name, lab)| self.smoothest(pixel, (&grid, &light, &observer), face, (name, lab)))
                     .collect::<Option<_>>()?
@@ -63,6 +64,27 @@ impl Resolver<'_> {
         };
         let spread_mm = self.spread_within(&pixel.spread_um)?;
         Some(UniformPixel { kind: UniformKind::Lambertian, states, spread_mm })
+    }
+
+    /// Returns the name of the illuminant of a palette: that of the file, which the key must not contradict, or that of the key.
+    fn light_of_palette(&mut self, pixel: &Spanned<PalettePixel>, table: &PaletteTable) -> Option<String> {
+        let key = &pixel.illuminant;
+        let stated = match table {
+            PaletteTable::Lab { illuminant, .. } => illuminant.as_ref(),
+            PaletteTable::Spectra(_) => None,
+        };
+        if let (Some(name), Some(stated)) = (&key.value, stated)
+            && name != stated
+        {
+            let wrong = Diagnostic::new(format!(
+                "{} states that its colours are those in {stated}",
+                pixel.file.value
+            ))
+            .expected(format!("illuminant = \"{stated}\", or none: the file's is used"));
+            self.err(key, wrong);
+            return None;
+        }
+        Some(key.value.as_ref().or(stated).map_or_else(|| "D50".to_owned(), String::clone))
     }
 
     /// Warns if a palette, which was measured through a surface, has a second one, or if inks below a face

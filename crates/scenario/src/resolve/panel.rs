@@ -40,7 +40,7 @@ fn trapped(theta_deg: f64, limit_deg: f64) -> Diagnostic {
 impl Resolver<'_> {
     pub(super) fn display(&mut self, file: &File) -> Option<Display> {
         let display = &file.display;
-        self.has_matrix = display.matrix.is_some();
+        self.needs_lengths = display.matrix.is_some() || file.lighting.port_mm.is_some();
         let layers = match &display.layers.value {
             Some(layers) => self.layers(display, layers),
             None => self.short_form(display),

@@ -312,3 +312,55 @@ fn too_thick_films_are_refused_at_their_place() {
     assert_eq!(path, "display.layers.1.film.1.thickness_nm");
     assert!(place.ends_with(".toml:4:103") && text.contains("0.05 mm"), "{place}: {text}");
 }
+
+/// Of a palette whose file states the illuminant of its colours, this is used; a key that contradicts it is an error.
+#[test]
+fn palettes_have_the_illuminant_of_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let cgats = "CGATS.17\nILLUMINATION_NAME \"D65\"\nBEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\n\
+                 white 70 0 0\nblack 20 0 0\nred 45 50 30\nEND_DATA\n";
+    fs::write(folder.path().join("inks.txt"), cgats).unwrap();
+    fs::write(folder.path().join("inks.csv"), "state,L,a,b\nwhite,70,0,0\nblack,20,0,0\nred,45,50,30\n")
+        .unwrap();
+    let text = |file: &str, key: &str| {
+        format!(
+            "[display.glass]\nindex = 1\n[display.pixel]\nmodel = \"palette\"\nfile = \"{file}\"\n{key}\n[lighting]\npreset = \"overcast\"\n"
+        )
+    };
+    let red = |file: &str, key: &str| {
+        let resolved =
+            resolve(&text(file, key), folder.path(), &[]).unwrap_or_else(|error| panic!("{error}"));
+        assert!(
+            resolved.warnings.iter().all(|one| !one.contains("D50") || file == "inks.csv"),
+            "{:?}",
+            resolved.warnings
+        );
+        match &resolved.scene.display.pixel {
+            papilio_display::scene::Pixel::Uniform(pixel) => pixel.states[2].1.clone(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let stated = red("inks.txt", "");
+    assert_eq!(stated, red("inks.csv", "illuminant = \"D65\""));
+    assert_eq!(stated, red("inks.txt", "illuminant = \"D65\""));
+    assert_ne!(stated, red("inks.csv", ""));
+    let error =
+        resolve(&text("inks.txt", "illuminant = \"D50\""), folder.path(), &[]).unwrap_err().to_string();
+    assert!(
+        error.contains("inks.txt states that its colours are those in D65") && error.contains(":6:"),
+        "{error}"
+    );
+}
+
+/// The thickness of clear glass changes no colours, unless the light leaves a sphere's port beside it.
+#[test]
+fn thickness_at_a_port_has_an_effect() {
+    let path = Path::new("../../scenarios/paper.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let is_noted = |sets: &[&str]| {
+        let all = [&["display.layers.0.thickness_mm=0.1"], sets].concat();
+        let resolved = resolve(&text, path.parent().unwrap(), &all).unwrap_or_else(|error| panic!("{error}"));
+        resolved.notes.iter().any(|note| note.contains("thickness_mm has no effect on colours"))
+    };
+    assert!(is_noted(&[]) && !is_noted(&["lighting.port_mm=4"]));
+}

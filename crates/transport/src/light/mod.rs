@@ -5,7 +5,7 @@ pub(crate) mod field;
 pub(crate) mod formula;
 pub(crate) mod images;
 pub(crate) mod pixels;
-mod polarised;
+pub(crate) mod polarised;
 pub(crate) mod rings;
 
 use std::f64::consts::PI;
@@ -17,6 +17,7 @@ use papilio_sampling::warp;
 pub use field::Field;
 pub use formula::{Edge, Radiance};
 pub use pixels::Pixels;
+use polarised::Across;
 pub use polarised::Vibration;
 
 /// A distant light source, in air.
@@ -54,6 +55,8 @@ pub struct Cone {
     axis: [f64; 3],
     half_angle: f64,
     index: f64,
+    /// Azimuth with which it was made, radians: that of its plane of incidence along the normal.
+    phi: f64,
     /// Whether its directions are uniform over the pupil of an objective, not in solid angle.
     of_pupil: bool,
 }
@@ -68,6 +71,7 @@ impl Cone {
             axis: [sin * cos_phi, sin * sin_phi, cos],
             half_angle: half_angle_deg.to_radians(),
             index,
+            phi: phi_deg.to_radians(),
             of_pupil: false,
         }
     }
@@ -232,7 +236,19 @@ impl Cone {
             let towards = (large.axis[i] - cos * small.axis[i]) / sin;
             t.cos() * small.axis[i] + t.sin() * towards
         });
-        Some(Self { axis, half_angle, index: small.index, of_pupil: false })
+        Some(Self { axis, half_angle, of_pupil: false, ..*small })
+    }
+
+    /// Returns the light that a polariser before a viewer of this axis passes, at this angle from its plane of incidence, radians, counter-clockwise as
+    /// seen by the viewer.
+    pub(crate) fn polariser(&self, angle: f64) -> Across {
+        let Beta { x, y } = self.axis_towards();
+        let (sin, cos) = if x == 0.0 && y == 0.0 { self.phi.sin_cos() } else { (y, x) };
+        let (length, z) = (sin.hypot(cos), (1.0 - x * x - y * y).max(0.0).sqrt());
+        let (sin, cos) = (sin / length, cos / length);
+        let (across, along) = angle.sin_cos();
+        let field = [along * z * cos - across * sin, along * z * sin + across * cos, -along * x.hypot(y)];
+        Across { field, travel: [x, y, z] }
     }
 
     /// Returns the direction cosines of light that leaves towards its axis.

@@ -1,9 +1,86 @@
 //! Which part of the light from a direction vibrates across the plane of incidence (s), and which in it (p).
 //!
 //! Flat layers keep s apart from p, and return of each what they return of it alone. What else polarised light has, the
-//! phase between s and p, is lost where it is not seen: without a polariser between s and p before the eye.
+//! phase between s and p, is lost where it is not seen: without a polariser between s and p before the eye. Pixels that turn polarisation need
+//! all of it ([`light_of`]), in a frame ([`Frame`]).
+
+use std::f64::consts::SQRT_2;
 
 use papilio_optics::Beta;
+
+/// Light by its coherency matrix in the frame of p and s: `|p|^2`, `|s|^2`, `sqrt 2 Re(p s*)`, `sqrt 2 Im(p s*)`; or what a meter makes of each.
+pub(crate) type Quartet = [f64; 4];
+
+/// Frame of light in air: (p, s, direction of travel) is right-handed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    p: [f64; 3],
+    s: [f64; 3],
+    travel: [f64; 3],
+}
+
+impl Frame {
+    /// Returns the frame of light that propagates with these direction cosines, up (`sign` 1) or down (-1); along the normal it is that of azimuth 0.
+    pub(crate) fn new(beta: Beta, sign: f64) -> Self {
+        let travel = [beta.x, beta.y, sign * (1.0 - beta.squared()).max(0.0).sqrt()];
+        let length = beta.length();
+        let (x, y) = if length > 0.0 { (beta.x / length, beta.y / length) } else { (1.0, 0.0) };
+        let s = [y, -x, 0.0];
+        Self { p: cross(s, travel), s, travel }
+    }
+
+    pub(crate) fn travel(&self) -> [f64; 3] {
+        self.travel
+    }
+
+    /// Returns the components of a field along p and s.
+    pub(crate) fn components(&self, field: [f64; 3]) -> [f64; 2] {
+        [dot(self.p, field), dot(self.s, field)]
+    }
+}
+
+/// A direction of vibration, across a direction of travel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Across {
+    pub(crate) field: [f64; 3],
+    pub(crate) travel: [f64; 3],
+}
+
+impl Across {
+    /// Returns the field turned with the travel, on the shortest way, to another direction.
+    pub(crate) fn towards(&self, travel: [f64; 3]) -> [f64; 3] {
+        let scale = dot(self.field, travel) / (1.0 + dot(self.travel, travel));
+        std::array::from_fn(|k| self.field[k] - scale * (self.travel[k] + travel[k]))
+    }
+}
+
+/// Returns light of unit intensity that propagates down with these direction cosines. That of a lamp vibrates in its centre, from where light has the
+/// direction cosines `centre`, at its angle, and elsewhere as there.
+pub(crate) fn light_of(vibration: &Vibration, centre: Option<Beta>, beta: Beta) -> Quartet {
+    let frame = Frame::new(beta, -1.0);
+    let (degree, [p, s]) = match *vibration {
+        Vibration::Fixed { degree, angle } => {
+            let own = Frame::new(centre.unwrap_or(beta), -1.0);
+            // Counter-clockwise as seen from the lamp, who sees s reversed.
+            let (sin, cos) = angle.sin_cos();
+            let field = std::array::from_fn(|k| cos * own.p[k] - sin * own.s[k]);
+            (degree, frame.components(Across { field, travel: own.travel }.towards(frame.travel)))
+        }
+        Vibration::Rayleigh { most, sun, zenith } => {
+            let direction = frame.travel.map(|x| -x);
+            let field = cross(direction, sun);
+            if dot(direction, zenith) <= 0.0 || dot(field, field) == 0.0 {
+                (0.0, [1.0, 0.0])
+            } else {
+                let (square, cosine) = (dot(field, field), dot(direction, sun));
+                let length = square.sqrt();
+                (most * square / (1.0 + cosine * cosine), frame.components(field.map(|x| x / length)))
+            }
+        }
+    };
+    let rest = 0.5 * (1.0 - degree);
+    [rest + degree * p * p, rest + degree * s * s, SQRT_2 * degree * p * s, 0.0]
+}
 
 /// The vibration of partly polarised light, by direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,7 +89,7 @@ pub enum Vibration {
     Fixed {
         /// Degree of linear polarisation, 0 to 1.
         degree: f64,
-        /// Angle of the field from the plane of incidence, radians: 0 is p.
+        /// Angle of the field from the plane of incidence, radians, counter-clockwise as seen from the source: 0 is p.
         angle: f64,
     },
     /// Of a clear sky: across the plane of sun and direction, with the degree `most sin^2/(1 + cos^2)` of the angle

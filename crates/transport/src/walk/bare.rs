@@ -14,9 +14,9 @@ use papilio_sampling::warp;
 use papilio_spectra::StateSpectra;
 
 use super::{PathNumbers, Target, add_rows_times, add_scaled, scale_rows};
-use crate::Reflector;
+use crate::mueller::Orders;
 use crate::specular::FlatTop;
-use crate::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Source};
+use crate::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Reflector, Source, WholeView};
 
 #[derive(Debug)]
 pub(super) struct Bare<'a> {
@@ -107,11 +107,25 @@ impl<'a> Bare<'a> {
     pub(super) fn path(&self, numbers: &PathNumbers<'_>, tally: &mut Accumulator) {
         let Accumulator { sums, workspace } = tally;
         let beta = self.view.sample_towards(numbers.field());
-        self.enter(beta, sums, workspace);
+        workspace.flat.set(self.stack, beta.squared());
+        let orders = Orders::of(self.stack, beta);
+        if let Some(orders) = &orders {
+            orders.set(&mut workspace.flat);
+        }
+        self.enter(sums, workspace);
         if self.specular {
-            self.sum_round_trips(beta, sums, workspace);
+            match &orders {
+                Some(orders) => orders.equivalent(&workspace.flat, &mut workspace.reflectance),
+                None => {
+                    let Workspace { reflectance, .. } = workspace;
+                    self.stack.base.reflectance_towards(beta, &self.stack.medium, reflectance);
+                }
+            }
+            self.sum_round_trips(sums, workspace);
+            self.add_diffuse(orders.filter(|_| self.is_polarised()).as_ref(), sums, workspace);
             return;
         }
+        self.add_diffuse(None, sums, workspace);
         let mut u = numbers.beside_field();
         for pass in 0.. {
             self.meet_base(beta, sums, workspace);
@@ -129,9 +143,8 @@ impl<'a> Bare<'a> {
     }
 
     /// Sums all round trips between a mirror and the surface, at the angle at which light entered.
-    fn sum_round_trips(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+    fn sum_round_trips(&self, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { carried, reflectance, flat, .. } = workspace;
-        self.stack.base.reflectance_towards(beta, &self.stack.medium, reflectance);
         for row in 0..carried.len() / flat.t.len() {
             for (bin, (t, below)) in flat.t.iter().zip(&flat.below).enumerate() {
                 let k = row * flat.t.len() + bin;
@@ -147,25 +160,35 @@ impl<'a> Bare<'a> {
                 carried[k] = reflected;
             }
         }
-        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
-            if *source == Source::Diffuse {
+    }
+
+    /// Returns whether anything above a pixel that changes polarisation is polarised.
+    fn is_polarised(&self) -> bool {
+        self.stack.whole.as_ref().is_some_and(WholeView::is_polarised)
+    }
+
+    /// Adds what is seen of diffuse light: mirrored by the front, and over a mirror via the pixel, from the light that it has reflected.
+    fn add_diffuse(&self, polarised: Option<&Orders<'_>>, sums: &mut Sums, workspace: &Workspace) {
+        let Workspace { carried, flat, .. } = workspace;
+        let diffuse = self.sources.iter().zip(&mut sums.rho).enumerate();
+        for (number, (_, rho)) in diffuse.filter(|(_, (source, _))| **source == Source::Diffuse) {
+            if let Some(orders) = polarised {
+                rho.add(&orders.seen(Some(&self.view), number, None), 1.0);
+                continue;
+            }
+            add_scaled(&mut rho.front, &flat.above, 1.0);
+            if self.specular {
                 add_rows_times(&mut rho.via_pixel, carried, &flat.t, 1.0);
             }
         }
     }
 
-    /// Adds the light that the viewer sees mirrored, and transmits the rest to the base.
-    fn enter(&self, beta: Beta, sums: &mut Sums, workspace: &mut Workspace) {
+    /// Mirrors a part of the light, and transmits the rest to the base.
+    fn enter(&self, sums: &mut Sums, workspace: &mut Workspace) {
         let Workspace { flat, factor, carried, .. } = workspace;
-        flat.set(self.stack, beta.squared());
         add_scaled(&mut sums.mirrored, &flat.above, 1.0);
         fill(factor, flat.t.iter().zip(&flat.above).map(|(t, r)| 1.0 - t - r));
         add_scaled(&mut sums.absorbed_entering, factor, 1.0);
-        for (source, rho) in self.sources.iter().zip(&mut sums.rho) {
-            if *source == Source::Diffuse {
-                add_scaled(&mut rho.front, &flat.above, 1.0);
-            }
-        }
         carried.fill(1.0);
         scale_rows(carried, &flat.t);
     }

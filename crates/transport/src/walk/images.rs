@@ -3,12 +3,12 @@
 //! An image is visible where the viewer's field and the mirrored source overlap. Either may be far smaller
 //! than the other, so that points of the larger rarely fall on the smaller. Points are therefore sampled in
 //! the smallest cone that contains the overlap (for a field: in the whole view). The reflectance of the
-//! display is known in closed form ([`specular_image`]).
+//! display is known in closed form ([`specular_image`](crate::specular_image)).
 
 use papilio_sampling::{SampleStream, Sampler};
 
 use super::{PathNumbers, Target};
-use crate::specular::specular_image;
+use crate::specular::image_in;
 use crate::{Cone, Estimate, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
 /// Points of the view at which fields are evaluated before the first path.
@@ -100,7 +100,8 @@ impl<'a> Images<'a> {
             let Some(target) = Target::at(&seen.light, beta).filter(|_| self.view.holds(beta)) else {
                 continue;
             };
-            let (image, weight) = (specular_image(self.stack, beta), seen.share * target.strength);
+            let of = (seen.source, seen.light.direction());
+            let (image, weight) = (image_in(self.stack, &self.view, of, beta), seen.share * target.strength);
             sum.add(&image, weight);
         }
     }

@@ -18,6 +18,7 @@ const FLOORS: [&[&str]; 5] = [
         "front",
         "layers",
         "mirror_run",
+        "mueller",
         "panel",
         "pixel_spread",
         "polarised_view",

@@ -246,9 +246,12 @@ impl<const N: usize> Band<'_, N> {
                 for (sums, values) in
                     row.as_chunks_mut::<LANES>().0.iter_mut().zip(values.as_chunks::<LANES>().0)
                 {
+                    // A copy, which nothing else can change: else no vectors are used.
+                    let mut changed = *sums;
                     for lane in 0..LANES {
-                        sums[lane] += by * values[lane];
+                        changed[lane] += by * values[lane];
                     }
+                    *sums = changed;
                 }
             }
         }

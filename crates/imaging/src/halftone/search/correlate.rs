@@ -28,17 +28,21 @@ pub(super) struct Correlate<'a, const N: usize> {
 }
 
 impl<const N: usize> Shown<'_, N> {
-    /// What is shown less what is wanted, of a row and a coordinate; what is not finite is wanted as 0.
+    /// What is shown less what is wanted, of a row, by coordinates, each after a margin of its own; what is not finite is
+    /// wanted as 0.
     #[inline(always)]
-    fn errors(&self, costs: &Costs<N>, row: usize, k: usize, into: &mut [f32]) {
+    fn errors(&self, costs: &Costs<N>, row: usize, into: &mut [Vec<f32>; N], margins: [usize; N]) {
         let pixels = row * self.columns..(row + 1) * self.columns;
         let both = self.wanted[pixels.clone()].iter().zip(&self.states[pixels]);
-        for (error, (wanted, state)) in into.iter_mut().zip(both) {
-            let mut along = 0.0;
-            for (metric, wanted) in self.metric[k].iter().zip(wanted) {
-                along += metric * wanted;
+        for (x, (wanted, state)) in both.enumerate() {
+            let shown = &costs.palette[usize::from(*state)];
+            for k in 0..N {
+                let mut along = 0.0;
+                for (metric, wanted) in self.metric[k].iter().zip(wanted) {
+                    along += metric * wanted;
+                }
+                into[k][margins[k] + x] = shown[k] - if along.is_finite() { along } else { 0.0 };
             }
-            *error = costs.palette[usize::from(*state)][k] - if along.is_finite() { along } else { 0.0 };
         }
     }
 }
@@ -51,31 +55,45 @@ impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
         let Self { shown, costs, rows, into, margin } = self;
         let (columns, all) = (shown.columns, shown.wanted.len() / shown.columns);
         let stride = columns + 2 * margin;
-        let mut errors = vec![0.0; columns];
-        let mut sum = 0.0;
-        for (k, correlation) in costs.correlations.iter().enumerate() {
-            let [across, down] = correlation.reach;
-            let sources = rows.start.saturating_sub(down)..(rows.end + down).min(all);
-            let mut padded = vec![0.0; columns + 2 * across];
-            let mut line = vec![0.0; columns];
-            for from in sources {
-                shown.errors(costs, from, k, &mut padded[across..][..columns]);
+        let reaches = costs.correlations.each_ref().map(|one| one.reach);
+        let across = reaches.map(|[across, _]| across);
+        let most = reaches.iter().fold(0, |most, [_, down]| most.max(*down));
+        let mut padded = across.map(|across| vec![0.0; columns + 2 * across]);
+        let mut line = vec![0.0; columns];
+        for from in rows.start.saturating_sub(most)..(rows.end + most).min(all) {
+            shown.errors(costs, from, &mut padded, across);
+            for (k, correlation) in costs.correlations.iter().enumerate() {
+                let [_, down] = correlation.reach;
+                let reached = from.saturating_sub(down).max(rows.start)..(from + down + 1).min(rows.end);
+                if reached.is_empty() {
+                    continue;
+                }
                 if let Some([along, _]) = &correlation.factors {
-                    filter(&mut line, &padded, along);
+                    filter(&mut line, &padded[k], along);
                 }
-                for to in from.saturating_sub(down).max(rows.start)..(from + down + 1).min(rows.end) {
+                for to in reached {
                     let at = ((to - rows.start) * N + k) * stride + margin;
-                    add(&mut into[at..][..columns], correlation, from as isize - to as isize, &line, &padded);
+                    add(
+                        &mut into[at..][..columns],
+                        correlation,
+                        from as isize - to as isize,
+                        &line,
+                        &padded[k],
+                    );
                 }
-            }
-            for row in rows.clone() {
-                shown.errors(costs, row, k, &mut errors);
-                let correlated = &into[((row - rows.start) * N + k) * stride + margin..][..columns];
-                let products = errors.iter().zip(correlated).map(|(error, r)| f64::from(error * r));
-                sum += products.sum::<f64>();
             }
         }
-        sum
+        let mut sums = [0.0; N];
+        for row in rows.clone() {
+            shown.errors(costs, row, &mut padded, across);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let correlated = &into[((row - rows.start) * N + k) * stride + margin..][..columns];
+                let products =
+                    padded[k][across[k]..].iter().zip(correlated).map(|(error, r)| f64::from(error * r));
+                *sum += products.sum::<f64>();
+            }
+        }
+        sums.iter().sum()
     }
 }
 

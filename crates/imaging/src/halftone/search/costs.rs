@@ -229,9 +229,11 @@ impl<const N: usize> Lanes<N> {
         let own = usize::from(pixel.own);
         let here = self.single(pixel);
         let (mut best, mut lowest) = (None, -least);
-        for (state, cost) in here.into_iter().enumerate() {
-            if cost < lowest {
-                (best, lowest) = (Some(Change { state: state as u8, other: None }), cost);
+        if any_below(&here, lowest) {
+            for (state, cost) in here.into_iter().enumerate() {
+                if cost < lowest {
+                    (best, lowest) = (Some(Change { state: state as u8, other: None }), cost);
+                }
             }
         }
         for (number, neighbour) in neighbours.into_iter().enumerate() {
@@ -245,12 +247,15 @@ impl<const N: usize> Lanes<N> {
                 there[to] += apart - near[own][to];
             }
             let mut smallest = [IMPOSSIBLE; LANES];
-            for state in 0..count {
-                let (row, alone) = (&near[state], here[state] - near[state][other]);
+            for (row, here) in near.iter().zip(&here) {
+                let alone = here - row[other];
                 for to in 0..LANES {
                     let cost = alone + there[to] + row[to];
                     smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
                 }
+            }
+            if !any_below(&smallest, lowest) {
+                continue;
             }
             for (to, cost) in smallest.into_iter().enumerate() {
                 if cost < lowest {
@@ -265,6 +270,12 @@ impl<const N: usize> Lanes<N> {
         }
         best.map(|change| (change, -lowest))
     }
+}
+
+/// Whether one of the costs is below a limit: mostly none is, which vectors find out at once.
+#[inline(always)]
+fn any_below(costs: &[f32; LANES], limit: f32) -> bool {
+    costs.iter().fold(false, |any, cost| any | (*cost < limit))
 }
 
 /// The states with the lowest costs, in their own order.

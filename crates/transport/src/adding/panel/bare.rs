@@ -14,9 +14,10 @@ use super::add_scaled;
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::light::rings::{Peaks, Ring, rings};
+use crate::mueller::Orders;
 use crate::numerics::quadrature::{Node, Pole, graded};
 use crate::specular::{FlatTop, panel_image};
-use crate::{Base, Cone, Estimate, Field, Ledger, Medium, Panel, ReflectanceFactor, Reflector, Source, Top};
+use crate::{Cone, Estimate, Field, Ledger, Panel, ReflectanceFactor, Reflector, Source, Top, WholeView};
 
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
@@ -26,6 +27,10 @@ pub(super) struct Kernel {
     digits: f64,
     views: Vec<View>,
     lights: Vec<Light>,
+    /// Direction cosines of the light of lamps.
+    centres: Vec<Option<Beta>>,
+    /// Whether its pixel is computed for each direction.
+    is_exact: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -56,16 +61,17 @@ struct Fate {
     unaccounted: StateSpectra,
 }
 
+/// Returns whether the pixel is computed for each direction, without a table that has structure of its own.
+fn is_exact(stack: &Panel) -> bool {
+    stack.mueller.as_ref().is_some_and(|mueller| mueller.is_exact())
+}
+
 impl Kernel {
-    /// Computes the points of a view or source over this base, in this medium.
-    pub(super) fn new(
-        (base, medium): (&Base, &Medium),
-        views: &[Cone],
-        sources: &[Source],
-        digits: f64,
-    ) -> Self {
+    /// Computes the points of a view or source in this panel.
+    pub(super) fn new(stack: &Panel, views: &[Cone], sources: &[Source], digits: f64) -> Self {
         let view = |cone: &Cone| {
-            let (rings, across) = ((digits / 2.5) as usize, base.nodes_across(cone, medium));
+            let across = stack.base.nodes_across(cone, &stack.medium);
+            let rings = if is_exact(stack) { 1 } else { (digits / 2.5) as usize };
             View {
                 cone: *cone,
                 across,
@@ -79,12 +85,19 @@ impl Kernel {
             Source::Disc(cone) => Light::Directed(disc_points(cone, smooth_at(cone, SMOOTH), digits)),
             Source::Field(field) => Light::Directed(smooth_points(field, SMOOTH, digits)),
         };
-        Self { digits, views: views.iter().map(view).collect(), lights: sources.iter().map(light).collect() }
+        Self {
+            digits,
+            views: views.iter().map(view).collect(),
+            is_exact: is_exact(stack),
+            lights: sources.iter().map(light).collect(),
+            centres: sources.iter().map(Source::direction).collect(),
+        }
     }
 
     /// Returns whether its points can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
-        self.views.iter().all(|view| view.across == stack.base.nodes_across(&view.cone, &stack.medium))
+        let across = |view: &View| stack.base.nodes_across(&view.cone, &stack.medium);
+        self.is_exact == is_exact(stack) && self.views.iter().all(|view| view.across == across(view))
     }
 
     pub(super) fn nodes(&self) -> usize {
@@ -102,7 +115,11 @@ impl Kernel {
         for seen in &view.images {
             let rho = &mut estimate.rho[seen.source];
             for point in &seen.points {
-                rho.add(&panel_image(stack, point.beta), point.weight);
+                let image = match Orders::of(stack, point.beta) {
+                    Some(orders) => orders.seen(Some(&view.cone), seen.source, self.centres[seen.source]),
+                    None => panel_image(stack, point.beta),
+                };
+                rho.add(&image, point.weight);
             }
         }
         estimate
@@ -112,9 +129,21 @@ impl Kernel {
         let mut fate = Fate::zeros(stack);
         let mut r = vec![0.0; fate.arriving.len()];
         let mut flat = FlatTop::new(stack.base.bins());
+        let is_polarised = stack.whole.as_ref().is_some_and(WholeView::is_polarised);
+        let mut polarised = None;
         for point in &view.points {
             flat.set(stack, point.beta.squared());
-            stack.base.reflectance_towards(point.beta, &stack.medium, &mut r);
+            if let Some(orders) = Orders::of(stack, point.beta) {
+                orders.set(&mut flat);
+                orders.equivalent(&flat, &mut r);
+                if is_polarised {
+                    let zeros = || ReflectanceFactor::zeros(stack.base.states(), stack.base.bins());
+                    let seen = orders.seen(Some(&view.cone), usize::MAX, None);
+                    polarised.get_or_insert_with(zeros).add(&seen, point.weight);
+                }
+            } else {
+                stack.base.reflectance_towards(point.beta, &stack.medium, &mut r);
+            }
             fate.enter(&flat, point.weight);
             for (k, r) in r.iter().enumerate() {
                 let bin = k % flat.t.len();
@@ -123,10 +152,12 @@ impl Kernel {
                 fate.meet_base(k, arriving, *r, (t, below));
             }
         }
+        let diffuse = polarised.unwrap_or_else(|| ReflectanceFactor {
+            via_pixel: fate.leaving.clone(),
+            front: fate.mirrored.clone(),
+        });
         let rho = self.lights.iter().map(|light| match light {
-            Light::Diffuse => {
-                ReflectanceFactor { via_pixel: fate.leaving.clone(), front: fate.mirrored.clone() }
-            }
+            Light::Diffuse => diffuse.clone(),
             Light::Directed(_) => ReflectanceFactor::zeros(stack.base.states(), stack.base.bins()),
         });
         Estimate { rho: rho.collect(), ledger: fate.ledger(stack) }

@@ -99,8 +99,7 @@ impl Kernel {
     pub(super) fn prepare(&mut self, stack: &Panel, views: Views<'_>, sources: &[Source], stop: &AtomicBool) {
         match &stack.top {
             Top::IdealAr | Top::Fresnel(_) => {
-                let over = (&stack.base, &stack.medium);
-                self.kind = Kind::Bare(bare::Kernel::new(over, views.own, sources, self.digits));
+                self.kind = Kind::Bare(bare::Kernel::new(stack, views.own, sources, self.digits));
             }
             Top::Diffuser(diffuser) => {
                 if let Kind::Diffused(kernel) = &mut self.kind
