@@ -53,8 +53,8 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
         ));
     };
     print_message(&format!(
-        "{} numbers fitted in {:.2} s",
-        found.observations,
+        "{} fitted in {:.2} s",
+        report::counted(found.observations, "number"),
         started.elapsed().as_secs_f64()
     ));
     output::make_folder(&folder)?;

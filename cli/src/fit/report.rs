@@ -8,6 +8,9 @@ use papilio_scenario::label;
 use crate::numbers::{digits, digits_alike};
 use crate::report::{plain, table};
 
+/// Standard errors below this have an exponent: five decimals show none of their digits, or one.
+const SMALL: f64 = 1e-4;
+
 pub(super) fn text(title: &str, found: &FitReport) -> String {
     let titles = ["variable", "scenario", "fitted", "standard error", "68.3 %", "95 %"];
     let mut rows = vec![titles.map(str::to_owned).to_vec()];
@@ -20,11 +23,9 @@ pub(super) fn text(title: &str, found: &FitReport) -> String {
             several => writeln!(text, "the data cannot tell apart: {}", several.join(", ")),
         };
     }
-    let _ = writeln!(
-        text,
-        "\nchi-square {:.1}, {} degrees of freedom",
-        found.chi_square, found.degrees_of_freedom
-    );
+    let freedom = found.degrees_of_freedom;
+    let unit = if freedom == 1 { "degree of freedom" } else { "degrees of freedom" };
+    let _ = writeln!(text, "\nchi-square {}, {freedom} {unit}", large(found.chi_square));
     if let Some(rms) = found.residual_rms {
         let _ = writeln!(text, "residuals: rms {}", digits(rms));
     }
@@ -42,9 +43,43 @@ pub(super) fn text(title: &str, found: &FitReport) -> String {
         );
     }
     let starts = found.starts;
-    let _ = writeln!(text, "BIC {:.1}", found.bic);
+    let _ = writeln!(text, "BIC {} ({})", large(found.bic), counted(found.observations, "number"));
     let _ = writeln!(text, "{} of {} starts led to this minimum", starts.best, starts.count);
     text
+}
+
+/// A number with one decimal, or with an exponent.
+fn large(number: f64) -> String {
+    match number.abs() < 1e7 {
+        true => format!("{number:.1}"),
+        false => format!("{number:.3e}"),
+    }
+}
+
+/// A number with its noun.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A standard error; a small one with an exponent.
+fn of_error(error: f64) -> String {
+    match error > 0.0 && error < SMALL {
+        true => format!("{error:.1e}"),
+        false => digits(error),
+    }
+}
+
+/// Both ends of an interval, with so many decimals that they differ.
+fn of_ends(ends: [f64; 2]) -> String {
+    let both = digits_alike(ends);
+    let width = ends[1] - ends[0];
+    match both[0] == both[1] && width > 0.0 {
+        true => {
+            let decimals = (1.0 - width.log10().floor()).clamp(1.0, 12.0) as usize;
+            ends.map(|end| format!("{end:.decimals$}")).join(" to ")
+        }
+        false => both.join(" to "),
+    }
 }
 
 /// All keys that a variable sets.
@@ -56,13 +91,12 @@ fn name(one: &FittedVariable) -> String {
 
 fn row(one: &FittedVariable) -> Vec<String> {
     let bound = if one.at_bound { " (at its bound)" } else { "" };
-    let interval =
-        |ends: Option<[f64; 2]>| ends.map_or("-".to_owned(), |ends| digits_alike(ends).join(" to "));
+    let interval = |ends: Option<[f64; 2]>| ends.map_or("-".to_owned(), of_ends);
     vec![
         name(one),
         one.start.map_or("-".to_owned(), digits),
         one.value.map_or("not determined".to_owned(), |value| format!("{}{bound}", digits(value))),
-        one.standard_error.map_or("-".to_owned(), digits),
+        one.standard_error.map_or("-".to_owned(), of_error),
         interval(one.interval_68),
         interval(one.interval_95),
     ]

@@ -198,6 +198,24 @@ fn wrong_fits_are_refused_at_their_places() {
             "the mean of the prior, 400, is outside the bounds",
         ),
         ("key = \"title\"\nbounds = [150, 300]", "`title` is not a number"),
+        (
+            "key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]\nprior = { mean = 200, sigma = 1e-9 }",
+            "the prior holds the value",
+        ),
+        ("key = \"spectrum.range_nm\"\nbounds = [150, 300]", "is a list in this scenario"),
+        (
+            "key = \"display.pixel.film.2.thickness_nm\"\nbounds = [150, 300]",
+            "`display.pixel.film` has no item 2: its items are 0 to 1",
+        ),
+        (
+            "key = \"display.front.0.reflectance\"\nbounds = [0, 0.1]",
+            "`display.front` has no item 0: it has none",
+        ),
+        ("key = \"display.frnt.0.reflectance\"\nbounds = [0, 0.1]", "there is no key `frnt` here"),
+        (
+            "key = \"display.pixel.film.1.material.k_scale\"\nbounds = [0.5, 2]",
+            "write material = { material = \"air\", k_scale = 1 }",
+        ),
     ] {
         let text = match wrong {
             "" => SMALL.split("[fit]").next().unwrap().to_owned(),
@@ -296,4 +314,32 @@ fn exact_numbers_are_fitted() {
         assert!((value - 231.7).abs() < 1e-3, "{value}");
         assert!(!stderr(&output).contains("too narrow"), "{}", stderr(&output));
     }
+}
+
+/// The report counts the numbers of BIC; what was measured beside the view, and what the fitted scenario cannot have, is noted.
+#[test]
+fn report_counts_its_numbers_and_notes_their_direction() {
+    let scale = "[[fit.variables]]\nkey = \"meter.scale\"\nbounds = [0.9, 1.1]\n";
+    let (folder, file, out) = place(&format!("{SMALL}{scale}"));
+    let data = folder.path().join("data.csv").display().to_string();
+    let rows = DATA.lines().skip(1).map(|line| format!("film,8.6,{line}\n")).collect::<String>();
+    fs::write(&data, format!("state,theta_deg,wavelength_nm,reflectance_factor\n{rows}")).unwrap();
+    let output = papilio(&["fit", &file, &data, "--out", &out, "--set", "viewer.theta_deg=8"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    assert!(text.contains("(11 numbers)") && text.contains("9 degrees of freedom"), "{text}");
+    for words in [
+        "measured beside the view of 8 deg",
+        "film at theta 8.6 deg",
+        "meter.scale is in fitted.toml only as comments",
+    ] {
+        assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
+    }
+    // One number for one variable.
+    fs::write(&file, SMALL).unwrap();
+    fs::write(&data, "metric,value,standard_deviation\nfilm.Y,0.12,0.001\n").unwrap();
+    let output = papilio(&["fit", &file, &data, "--out", &out]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(stderr(&output).contains("1 number fitted in"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("0 degrees of freedom"), "{}", stdout(&output));
 }

@@ -72,7 +72,7 @@ fn metric(header: &Header, row: &Row<'_>) -> Result<MeasuredMetric, FormatError>
         theta_deg: within(&THETA, (-90.0, 90.0), "an angle from -90 to 90 deg")?,
         phi_deg: within(&PHI, (-360.0, 360.0), "an azimuth from -360 to 360 deg")?.unwrap_or(0.0),
         value,
-        standard_deviation: within(&METRIC_DEVIATION, (f64::MIN_POSITIVE, 1e12), "a number above 0")?,
+        standard_deviation: within(&METRIC_DEVIATION, (1e-12, 1e12), "a number above 0, from 1e-12 to 1e12")?,
         place: row.place().to_string(),
     })
 }
@@ -251,6 +251,8 @@ mod tests {
             ("metric,value\nwhite.contrast_ratio,12\n", (2, 1), "write it without a state: `contrast_ratio`"),
             ("metric,value\nwhite.Y,x\n", (2, 9), "NotANumber"),
             ("metric,value,standard_deviation\nwhite.Y,1,0\n", (2, 11), "a number above 0"),
+            ("metric,value,standard_deviation\nwhite.Y,1,1e-300\n", (2, 11), "from 1e-12 to 1e12"),
+            ("state,X,Y,Z,standard_deviation\nw,1,1,1,1e-300\n", (2, 9), "from 1e-9 to 10000"),
             ("metric,value\nwhite.Y,1\nwhite.Y,2\n", (3, 1), "has two values"),
             ("metric,value,colour\nwhite.Y,1,2\n", (1, 14), "`colour` is not understood"),
             (

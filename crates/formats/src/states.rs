@@ -511,7 +511,12 @@ fn deviation(header: &Header, of: &Column, row: &Row<'_>) -> Result<Option<f64>,
     column
         .map(|column| {
             let column = Column { unit: column.unit.or(of.unit), step: None, ..column };
-            column.number_within(row, "a standard deviation", (f64::MIN_POSITIVE, 1e4), "a number above 0")
+            column.number_within(
+                row,
+                "a standard deviation",
+                (1e-9, 1e4),
+                "a number above 0, from 1e-9 to 10000",
+            )
         })
         .transpose()
 }

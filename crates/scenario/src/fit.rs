@@ -10,8 +10,9 @@ use crate::library::sha256;
 use crate::mistake;
 use crate::optimise::read::numeric_variables;
 use crate::optimise::{Key, SearchRange, SearchVariable};
+use crate::path::{KeyPath, index};
 use crate::read::{Read, Spanned};
-use crate::tree::Node;
+use crate::tree::{Node, Value};
 use crate::varied::{ParameterisedScenario, ParsedScenario, read_of_scenarios};
 
 /// Variables of the measurement, with their ranges and the values of a perfect meter.
@@ -128,7 +129,10 @@ impl Fit {
         let of_meter: Vec<Option<FitVariable>> =
             read.variables.iter().map(|one| meter_variable(one, &mut errors)).collect();
         check_meter_once(&read.variables, &of_meter, &mut errors);
-        read.variables.iter().for_each(|one| check_prior(one, &mut errors));
+        for one in &*read.variables {
+            check_prior(one, &mut errors);
+            check_paths(one, (&base, &root), &mut errors);
+        }
         errors.check(&base.sources)?;
         let searched: Vec<Spanned<Searched>> = read
             .variables
@@ -185,7 +189,10 @@ fn display_variable(found: SearchVariable, own: Option<f64>, read: &describe::Fi
     FitVariable { name, target, bounds, start, own, prior: prior(read) }
 }
 
-/// Fails for a prior whose mean the bounds exclude.
+/// Smallest standard deviation of a prior, in widths of the bounds.
+const LEAST_SIGMA: f64 = 1e-6;
+
+/// Fails for a prior whose mean the bounds exclude, or that leaves nothing to fit.
 fn check_prior(read: &describe::FitVariable, errors: &mut Errors) {
     let (Some(prior), [from, to]) = (&read.prior.value, read.bounds.as_slice()) else { return };
     let mean = prior.mean.0;
@@ -193,6 +200,49 @@ fn check_prior(read: &describe::FitVariable, errors: &mut Errors) {
         let wrong = Diagnostic::new(format!("the mean of the prior, {mean}, is outside the bounds"))
             .expected(format!("a mean from {} to {}", from.0, to.0));
         errors.push(prior.mean.origin, wrong);
+    }
+    let least = LEAST_SIGMA * (to.0 - from.0);
+    if from.0 < to.0 && prior.sigma.0 < least {
+        let wrong = Diagnostic::new(format!("the prior holds the value within {}", prior.sigma.0))
+            .expected(format!("at least {least}"))
+            .hint("to hold a value, remove the variable and set its key");
+        errors.push(prior.sigma.origin, wrong);
+    }
+}
+
+/// Fails for a list, which would become one number, and for an item that the scenario does not have: a fit would add it.
+fn check_paths(read: &describe::FitVariable, (base, root): (&ParsedScenario, &Node), errors: &mut Errors) {
+    let single = read.key.iter().map(|path| (path, read.key.origin));
+    let several = read.keys.iter().flatten().map(|path| (&path.value, path.origin));
+    let other = read.compensated_by.iter().map(|path| (path, read.compensated_by.origin));
+    for (text, origin) in single.chain(several).chain(other) {
+        let path = KeyPath::new(text);
+        if path.get(root).is_some_and(|node| matches!(node.value, Value::Array(_))) {
+            let wrong = Diagnostic::new(format!("`{text}` is a list in this scenario"))
+                .expected(format!("a key with one number, such as `{text}.0`"));
+            errors.push(origin, mistake::of_path(wrong));
+            continue;
+        }
+        let Some(missing) = path.prefixes().find(|part| part.get(root).is_none()) else { continue };
+        let is_item = |part: &KeyPath| index(part.split_last().1).is_some();
+        let item = path.prefixes().skip(missing.keys().len() - 1).find(is_item);
+        if let Some(item) = item
+            && let (Some(list), last) = item.split_last()
+        {
+            let count = match list.get(root).map(|node| &node.value) {
+                Some(Value::Array(items)) => items.len(),
+                None if base.wrong_path(list.text(), origin).is_none() => 0,
+                _ => continue,
+            };
+            let there = match count {
+                0 => "it has none".to_owned(),
+                1 => "its only item is 0".to_owned(),
+                _ => format!("its items are 0 to {}", count - 1),
+            };
+            let wrong = Diagnostic::new(format!("`{}` has no item {last}: {there}", list.present()))
+                .hint("a fit varies what the scenario has: add the item to the scenario first");
+            errors.push(origin, mistake::of_path(wrong));
+        }
     }
 }
 

@@ -42,7 +42,7 @@ macro_rules! table {
 
         impl $crate::read::Read for $name {
             fn in_words() -> String {
-                concat!("a table with the keys", $(" ", stringify!($field)),*).to_owned()
+                format!("a table with the keys {}", <Self as $crate::read::Table>::keys().join(", "))
             }
 
             fn on_page() -> String {

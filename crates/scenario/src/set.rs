@@ -176,8 +176,21 @@ fn put(
     rename(&mut value, &keys, old, errors);
     match path.put(root, false, &mut NodeBuilder { place }) {
         Ok(node) => *node = value,
-        Err(error) => errors.push(place.of(error.range), mistake::of_path(Diagnostic::new(error.message))),
+        Err(error) => {
+            let wrong = Diagnostic::new(error.message).hint_if(factor_of_material(root, path));
+            errors.push(place.of(error.range), mistake::of_path(wrong));
+        }
     }
+}
+
+/// Hint for a factor of a material that is a name: which table has the factor.
+fn factor_of_material(root: &Node, path: &KeyPath) -> Option<String> {
+    let (Some(above), factor @ ("n_scale" | "k_scale")) = path.split_last() else { return None };
+    let Value::Text(material) = &above.get(root)?.value else { return None };
+    let key = above.split_last().1.to_owned();
+    Some(format!(
+        "the factor needs a table: write {key} = {{ material = \"{material}\", {factor} = 1 }} in the scenario"
+    ))
 }
 
 /// Creates tables and arrays, and removes the key that the last key of the path excludes.

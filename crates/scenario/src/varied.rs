@@ -209,6 +209,19 @@ impl ParameterisedScenario {
         self.with(varied)
     }
 
+    /// The same scenario with other values of some keys, each a path with its value. Whether they are possible shows when it is
+    /// resolved.
+    pub fn with_values(&self, values: &[(&str, Json)]) -> Self {
+        let origin = Origin::FILE;
+        let change = |(path, value): &(&str, Json)| {
+            let (path, value) = (KeyPath::new(path), Node::from_json(value, origin));
+            Change { path, origin, value }
+        };
+        let mut other = self.clone();
+        other.fixed.extend(values.iter().map(change));
+        other
+    }
+
     /// Reads the scenario with these changes.
     pub(crate) fn with(&self, changes: impl Iterator<Item = Change>) -> Result<Scenario, ScenarioErrors> {
         let changes: Vec<Change> = self.fixed.iter().cloned().chain(changes).collect();

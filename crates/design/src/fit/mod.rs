@@ -20,15 +20,18 @@
 
 mod bounded;
 mod interpolation;
+mod kept;
 mod levenberg_marquardt;
 mod matrix;
 mod model;
 mod problem;
 mod profile;
+mod remarks;
 mod report;
 mod run;
 mod statistics;
 mod undetermined;
+mod wavelengths;
 
 pub use model::{Model, Observation};
 pub use report::{Estimated, FitReport, FittedVariable, Residual, Runs, Starts};

@@ -8,6 +8,7 @@ use papilio_display::scene::Metric;
 use papilio_spectra::Grid;
 
 use super::interpolation::weights;
+use super::wavelengths::Wavelengths;
 use crate::{DesignError, NamedQuantity, Quantity};
 
 /// A measured number.
@@ -30,6 +31,14 @@ pub struct Observation {
     /// Number of the spectrum, the colour or the metric to which it belongs, from 0.
     pub series: usize,
     prediction: Prediction,
+}
+
+/// A number with its noun, and its verb.
+pub(super) fn counted(count: usize, one: &str, several: &str) -> (String, &'static str) {
+    match count {
+        1 => (format!("1 {one}"), "is"),
+        _ => (format!("{count} {several}"), "are"),
+    }
 }
 
 /// Kinds of numbers, each with its own unit.
@@ -77,20 +86,27 @@ pub struct Model {
     /// What was not used.
     pub notes: Vec<String>,
     pub(super) quantities: Vec<NamedQuantity>,
+    /// Measured wavelengths within the range of the scenario that are not used, because of the offset.
+    pub(super) dropped: usize,
+    /// Names and views of measured metrics that the display does not have.
+    pub(super) undefined: Vec<(String, usize)>,
+    /// Grid of the predicted spectra.
     grid: Grid,
+    /// Condition under which spectra are computed.
+    condition_of_spectra: usize,
     /// White in the light of the display, Y = 1.
     white: Xyz,
 }
 
 impl Model {
-    /// Model of a measurement; wavelength offsets are within `offsets_nm`.
+    /// Model of a measurement.
     ///
     /// # Errors
-    /// If nothing that was measured has a counterpart in the display; if a metric has no standard deviation.
+    /// If a metric has no standard deviation; if one is so small or large that its weight is not a number.
     pub(super) fn new(
         simulated: &Simulated,
         measurement: &Measurement,
-        offsets_nm: [f64; 2],
+        wavelengths: &Wavelengths,
     ) -> Result<Self, DesignError> {
         let observer = Observer::of(simulated.observer, &simulated.grid)
             .map_err(|error| DesignError::Fit { reason: error.to_string() })?;
@@ -99,18 +115,26 @@ impl Model {
             observations: Vec::new(),
             notes: Vec::new(),
             quantities: Vec::new(),
-            grid: simulated.grid,
+            dropped: 0,
+            undefined: Vec::new(),
+            grid: wavelengths.of_spectra,
+            condition_of_spectra: usize::from(wavelengths.of_spectra != simulated.grid),
             white: white * (1.0 / white.y),
         };
         let mut series = 0;
         for measured in &measurement.states {
             let Some((view, state)) = simulated.counterpart(measured) else { continue };
             let before = model.observations.len();
-            model.add_state(measured, (simulated, view, state), offsets_nm, series);
+            model.add_state(measured, (simulated, view, state), wavelengths, series);
             series += usize::from(model.observations.len() > before);
         }
         for metric in &measurement.metrics {
             let Some(view) = simulated.view_of_metric(metric) else { continue };
+            let has = |state: &String| simulated.views[view].states.iter().any(|one| one.name == *state);
+            if metric.state.as_ref().is_some_and(|state| !has(state)) {
+                model.undefined.push((metric.name(), view));
+                continue;
+            }
             let Some(deviation) = metric.standard_deviation else {
                 let reason = format!(
                     "the metric `{}` ({}) has no standard deviation, which a fit needs",
@@ -134,7 +158,30 @@ impl Model {
             });
             series += 1;
         }
-        Ok(model)
+        match model.observations.iter().find(|one| !one.has_weight()) {
+            Some(one) => {
+                let (deviation, value) = (one.standard_deviation.unwrap_or_default(), one.value);
+                let reason = format!(
+                    "the standard deviation of {}, {deviation:e} of the value {value}, gives no usable weight (expected {LEAST_DEVIATION:e} to \
+                     {MOST_DEVIATION:e}, and at least {LEAST_DEVIATION:e} of the value)",
+                    one.in_words()
+                );
+                Err(DesignError::Fit { reason })
+            }
+            None => Ok(model),
+        }
+    }
+
+    /// Removes the metrics that have no value.
+    pub(super) fn remove_undefined(&mut self, values: &[Option<f64>]) {
+        let view = |at: usize| self.quantities[at].quantity.view();
+        let undefined = self.observations.iter().filter_map(|one| match one.prediction {
+            Prediction::Metric { at } if values[at].is_none() => Some((one.name.clone(), view(at))),
+            _ => None,
+        });
+        self.undefined.extend(undefined.collect::<Vec<_>>());
+        self.observations
+            .retain(|one| !matches!(one.prediction, Prediction::Metric { at } if values[at].is_none()));
     }
 
     /// Forgets the standard deviations that the measurement states, except those of metrics.
@@ -158,7 +205,7 @@ impl Model {
         &mut self,
         measured: &Measured,
         (simulated, view, state): (&Simulated, usize, &str),
-        offsets_nm: [f64; 2],
+        wavelengths: &Wavelengths,
         series: usize,
     ) {
         let (theta_deg, phi_deg) = (simulated.views[view].theta_deg, simulated.views[view].phi_deg);
@@ -184,19 +231,29 @@ impl Model {
                     _ => None,
                 };
                 let first = self.spectrum(view, state);
-                let is_inside = |nm: f64| {
-                    let ends = [nm + offsets_nm[0].min(0.0), nm + offsets_nm[1].max(0.0)];
-                    ends.iter().all(|nm| (self.grid.start_nm()..=self.grid.stop_nm()).contains(nm))
-                };
                 let points = spectrum.wavelengths_nm().iter().zip(spectrum.values()).enumerate();
-                let (inside, outside): (Vec<_>, Vec<_>) = points.partition(|(_, (nm, _))| is_inside(**nm));
-                if !outside.is_empty() {
-                    let [from, to] = [self.grid.start_nm(), self.grid.stop_nm()];
-                    let count = outside.len();
-                    self.notes.push(format!(
-                        "{count} wavelengths of `{state}` are not used: they, or they with the offset, are outside {from} to {to} nm"
-                    ));
-                }
+                let (own, outside): (Vec<_>, Vec<_>) =
+                    points.partition(|(_, (nm, _))| wavelengths.is_own(**nm));
+                let (inside, dropped): (Vec<_>, Vec<_>) =
+                    own.into_iter().partition(|(_, (nm, _))| wavelengths.is_predicted(**nm));
+                self.dropped += dropped.len();
+                let at = match simulated.views.len() {
+                    1 => String::new(),
+                    _ => format!(" at theta {theta_deg} deg"),
+                };
+                let range = |grid: &Grid| format!("{} to {} nm", grid.start_nm(), grid.stop_nm());
+                let mut note = |count: usize, why: String| {
+                    if count > 0 {
+                        let (wavelengths, are) = counted(count, "wavelength", "wavelengths");
+                        self.notes.push(format!("{wavelengths} of `{state}`{at} {are} not used: {why}"));
+                    }
+                };
+                note(outside.len(), format!("outside {}", range(&wavelengths.own)));
+                let reach = range(&wavelengths.of_spectra);
+                note(
+                    dropped.len(),
+                    format!("with the offset outside {reach}, as far as the data of the scenario reach"),
+                );
                 for (index, (nm, value)) in inside {
                     let deviation = deviations.and_then(|all| all.get(index).copied());
                     let prediction = Prediction::Factor { first, nm: *nm };
@@ -264,43 +321,64 @@ impl Model {
     }
 
     fn push(&mut self, quantity: Quantity) {
-        self.quantities.push(NamedQuantity { name: String::new(), condition: 0, quantity });
+        let condition = match quantity {
+            Quantity::ReflectanceFactor { .. } => self.condition_of_spectra,
+            _ => 0,
+        };
+        self.quantities.push(NamedQuantity { name: String::new(), condition, quantity });
     }
 
     /// Predicts all numbers from the values of the quantities; `None` if one of them is not defined.
     pub(super) fn predict(&self, values: &[Option<f64>], meter: Meter) -> Option<Vec<f64>> {
-        let values: Vec<f64> = values.iter().copied().collect::<Option<_>>()?;
-        self.observations.iter().map(|one| self.predicted(one, &values, meter)).collect()
+        self.observations.iter().map(|one| self.predicted(one, values, meter)).collect()
     }
 
-    fn predicted(&self, one: &Observation, values: &[f64], meter: Meter) -> Option<f64> {
+    fn predicted(&self, one: &Observation, values: &[Option<f64>], meter: Meter) -> Option<f64> {
         let xyz = |first: usize| {
-            let [x, y, z] = [0, 1, 2].map(|k| meter.scale * values[first + k]);
-            Xyz { x, y, z }
+            let [x, y, z] = [0, 1, 2].map(|k| values[first + k].map(|value| meter.scale * value));
+            Some(Xyz { x: x?, y: y?, z: z? })
         };
         match one.prediction {
             Prediction::Factor { first, nm } => {
                 let at = (nm + meter.wavelength_offset_nm - self.grid.start_nm()) / self.grid.step_nm();
                 let (bin, weights) = weights(at, self.grid.len())?;
-                let near = &values[first + bin..];
-                Some(
-                    meter.scale * weights.iter().zip(near).map(|(weight, value)| weight * value).sum::<f64>(),
-                )
+                let near = weights.iter().zip(&values[first + bin..]);
+                let factor: Option<f64> = near.map(|(weight, value)| Some(weight * (*value)?)).sum();
+                Some(meter.scale * factor?)
             }
             Prediction::Xyz { first, component } => {
-                let xyz = xyz(first);
+                let xyz = xyz(first)?;
                 Some([xyz.x, xyz.y, xyz.z][component])
             }
             Prediction::Lab { first, component } => {
-                let lab = xyz(first).lab(self.white)?;
+                let lab = xyz(first)?.lab(self.white)?;
                 Some([lab.l, lab.a, lab.b][component])
             }
-            Prediction::Metric { at } => Some(values[at]),
+            Prediction::Metric { at } => values[at],
         }
     }
 }
 
+/// Smallest and largest standard deviation; the smallest also relative to the value.
+const LEAST_DEVIATION: f64 = 1e-12;
+const MOST_DEVIATION: f64 = 1e12;
+
 impl Observation {
+    /// Whether the stated standard deviation gives a usable weight.
+    fn has_weight(&self) -> bool {
+        let least = LEAST_DEVIATION * self.value.abs().max(1.0);
+        self.standard_deviation.is_none_or(|deviation| (least..=MOST_DEVIATION).contains(&deviation))
+    }
+
+    /// The number in words: what it is, and of what.
+    fn in_words(&self) -> String {
+        let at = self.wavelength_nm.map_or(String::new(), |nm| format!(" at {nm} nm"));
+        match self.unit() {
+            Unit::Metric => format!("the metric `{}`", self.name),
+            _ => format!("`{}` of `{}`{at}", self.quantity, self.name),
+        }
+    }
+
     /// Kind of the number.
     pub(super) fn unit(&self) -> Unit {
         match self.prediction {

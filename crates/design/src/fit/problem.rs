@@ -5,9 +5,6 @@ use papilio_scenario::{FitTarget, FitVariable};
 use super::model::{Meter, Model, Unit};
 use crate::{DesignError, Evaluator};
 
-/// Step of derivatives, in widths of the bounds.
-const STEP: f64 = 1e-4;
-
 /// Standard deviations of numbers whose measurement does not state them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CommonDeviations {
@@ -81,8 +78,12 @@ impl Problem<'_, '_> {
     }
 
     /// Derivatives of the residuals with respect to the coordinates of the point, column by column: central
-    /// differences, or one-sided ones at a bound; `None` if they are not defined.
-    pub(super) fn jacobian(&mut self, point: &[f64]) -> Result<Option<Vec<Vec<f64>>>, DesignError> {
+    /// differences over a step, or one-sided ones at a bound; `None` if they are not defined.
+    pub(super) fn jacobian(
+        &mut self,
+        point: &[f64],
+        step: f64,
+    ) -> Result<Option<Vec<Vec<f64>>>, DesignError> {
         let mut columns = Vec::with_capacity(point.len());
         let is_of_meter = |one: &FitVariable| !matches!(one.target, FitTarget::Keys(_));
         let own = match self.variables.iter().any(is_of_meter) {
@@ -95,7 +96,7 @@ impl Problem<'_, '_> {
                 moved[variable] = (moved[variable] + by).clamp(0.0, 1.0);
                 moved
             };
-            let ends = [moved(-STEP), moved(STEP)];
+            let ends = [moved(-step), moved(step)];
             let at = |problem: &mut Self, end: &[f64]| match is_of_meter(&self.variables[variable]) {
                 true => {
                     let meter = meter(problem.variables, &problem.values(end));

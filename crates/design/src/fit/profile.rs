@@ -8,33 +8,45 @@ use crate::DesignError;
 /// Relative accuracy of the distance of an end from the value.
 const ACCURACY: f64 = 0.005;
 /// Most minimisations for an end.
-const MOST: usize = 12;
+const MOST: usize = 24;
+/// Minimisations after which every second one is in the middle: the root of the increase has a kink where another coordinate
+/// reaches its bound.
+const KINK: usize = 4;
 /// Increase of chi-square relative to the predicted one above which it is confirmed.
 const UNPREDICTED: f64 = 1.05;
+
+/// Distance from a bound that counts as being there, in widths of the bounds.
+const AT_BOUND: f64 = 1e-6;
+
+/// Whether a coordinate is at a bound.
+pub(super) fn is_at_bound(u: f64) -> bool {
+    u <= AT_BOUND || u >= 1.0 - AT_BOUND
+}
 
 /// End of an interval, in the unit cube.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum End {
-    /// Found; a bound if chi-square does not grow enough before it.
-    At(f64),
+    /// Found, a bound if chi-square does not grow enough before it; with the coordinates that are at their bounds there.
+    At(f64, Vec<usize>),
     /// Chi-square is smaller here than at the minimum.
     Better(Vec<f64>),
 }
 
 /// Finds the values of a coordinate above (`side` 1) or below (-1) that of the minimum where the smallest
 /// chi-square exceeds that of the minimum by the squares of `distances`, the smaller first. `deviation` is the standard
-/// error. The search of the second end begins at the first.
+/// error. The search of the second end begins at the first. With `is_last`, no better minimum is sought.
 pub(super) fn ends(
     problem: &mut Problem<'_, '_>,
     best: &Minimum,
     (variable, side): (usize, f64),
-    (distances, deviation): ([f64; 2], f64),
+    (distances, deviation, is_last): ([f64; 2], f64, bool),
 ) -> Result<[End; 2], DesignError> {
     let mut warm = best.clone();
     let mut from = (0.0, 0.0);
-    let mut ends = [End::At(best.point[variable]), End::At(best.point[variable])];
+    let mut ends = [0, 1].map(|_| End::At(best.point[variable], Vec::new()));
     for (end, distance) in ends.iter_mut().zip(distances) {
-        *end = next_end(problem, (best, &mut warm), (variable, side), (&mut from, distance, deviation))?;
+        let search = (&mut from, distance, deviation, is_last);
+        *end = next_end(problem, (best, &mut warm), (variable, side), search)?;
     }
     Ok(ends)
 }
@@ -44,7 +56,7 @@ fn next_end(
     problem: &mut Problem<'_, '_>,
     (best, warm): (&Minimum, &mut Minimum),
     (variable, side): (usize, f64),
-    (from, distance, deviation): (&mut (f64, f64), f64, f64),
+    (from, distance, deviation, is_last): (&mut (f64, f64), f64, f64, bool),
 ) -> Result<End, DesignError> {
     let at_best = best.point[variable];
     let room = if side > 0.0 { 1.0 - at_best } else { at_best };
@@ -54,7 +66,9 @@ fn next_end(
         true => next(below, above, distance, room),
         false => (distance * deviation).max(from.0).min(room),
     };
-    for _ in 0..MOST {
+    // Coordinates that are at their bounds below and above the end.
+    let mut at_bounds = [Vec::new(), Vec::new()];
+    for number in 0..MOST {
         if length <= 0.0 {
             break;
         }
@@ -64,10 +78,12 @@ fn next_end(
             continue;
         };
         let increase = found.chi_square - best.chi_square;
-        if increase < -0.01 {
+        if increase < -0.01 && !is_last {
             return Ok(End::Better(found.point));
         }
         let root = increase.max(0.0).sqrt();
+        at_bounds[usize::from(root >= distance)] =
+            (0..best.point.len()).filter(|k| is_at_bound(found.point[*k])).collect();
         *warm = found;
         if (root - distance).abs() <= ACCURACY * distance {
             below = (length, root);
@@ -82,13 +98,23 @@ fn next_end(
             above = Some((length, root));
         }
         length = next(below, above, distance, room);
-        if above.is_some_and(|(above, _)| above - below.0 < 1e-9) {
-            break;
+        if let Some((above, _)) = above {
+            if number >= KINK && number % 2 == 0 {
+                length = 0.5 * (below.0 + above);
+            }
+            if above - below.0 < 0.5 * ACCURACY * above {
+                break;
+            }
         }
     }
     let length = length.max(from.0).min(room);
     *from = (length, below.1);
-    Ok(End::At((at_best + side * length).clamp(0.0, 1.0)))
+    let is_cut = |k: &usize| match *k == variable {
+        true => length >= room && below.1 < (1.0 - ACCURACY) * distance,
+        false => at_bounds.iter().any(|all| all.contains(k)),
+    };
+    let cut_by = (0..best.point.len()).filter(is_cut).collect();
+    Ok(End::At((at_best + side * length).clamp(0.0, 1.0), cut_by))
 }
 
 /// Next length: the root of the increase is almost proportional to the length.

@@ -12,7 +12,7 @@ pub struct FitReport {
     pub hash: String,
     /// Variables, in the order of the scenario.
     pub variables: Vec<FittedVariable>,
-    /// Correlations of the variables, row by row; null for those that the data do not determine.
+    /// Correlations of the variables, row by row; null for those whose effects on the data are none or proportional.
     pub correlations: Vec<Vec<Option<f64>>>,
     /// Groups of variables that the data cannot tell apart; of a group of one, all values fit.
     pub undetermined: Vec<Vec<String>>,
@@ -52,7 +52,7 @@ pub struct FittedVariable {
     pub compensated_by: Option<String>,
     /// Fitted value; null if the data do not determine it.
     pub value: Option<f64>,
-    /// Value of the best fit, even if others fit as well.
+    /// Value of the best fit, even if others fit as well: the scenario's own where that fits as well.
     pub best: f64,
     /// Standard error, from the curvature of chi-square; null if the data do not determine the variable.
     pub standard_error: Option<f64>,
@@ -62,6 +62,8 @@ pub struct FittedVariable {
     pub interval_95: Option<[f64; 2]>,
     /// Whether the value is at one of its bounds.
     pub at_bound: bool,
+    /// First paths of the variables, this one among them, at whose bounds the intervals end; the data alone give wider ones.
+    pub cut_by: Vec<String>,
     /// Bounds.
     pub bounds: [f64; 2],
     /// Value of the scenario; null if it is not a number.

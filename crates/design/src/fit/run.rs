@@ -4,16 +4,17 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::DisplayError;
-use papilio_display::compare::{IN_PERCENT, Measurement, Simulated, compare_measurement};
-use papilio_scenario::{Fit, FitDeviations, FitTarget, FitVariable};
+use papilio_display::compare::{IN_PERCENT, MeasuredMetric, Measurement, Simulated, compare_measurement};
+use papilio_scenario::{Fit, FitDeviations, FitTarget, FitVariable, ParameterisedScenario};
 
 use super::levenberg_marquardt::{Minimum, descend};
-use super::model::{Model, Unit};
+use super::model::{Model, Unit, counted};
 use super::problem::{CommonDeviations, Problem, display_values, values};
-use super::profile::{End, ends as ends_of};
+use super::profile::{End, ends as ends_of, is_at_bound};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
 use super::statistics::{rms, runs, student};
 use super::undetermined::{Determined, determined, with_spanning};
+use super::wavelengths::Wavelengths;
 use crate::measured::error_of_metric;
 use crate::parallel::in_parallel;
 use crate::search::random_point;
@@ -25,33 +26,26 @@ const POINTS_PER_START: u64 = 8;
 const MOST_ROUNDS: usize = 10;
 /// Standard deviation of the first round for numbers that state none.
 const FIRST: CommonDeviations = CommonDeviations { fraction: 0.01, lab: 1.0 };
-/// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
-const SMALL: f64 = 0.25;
 /// Normal quantiles of 68.3 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_963_985];
-/// Distance from a bound that counts as being there, in widths of the bounds.
-const AT_BOUND: f64 = 1e-6;
 /// Chi-squares that differ by less belong to the same minimum.
 const SAME: f64 = 0.01;
+/// Length of an interval over that without bounds below which bounds have cut it.
+const CUT: f64 = 0.95;
+/// Correlation above which a variable whose interval another one cuts is one with it.
+const CORRELATED: f64 = 0.9;
 /// Part of the work in the descents from all starts, and part of the rest in a round of intervals.
 const OF_STARTS: f64 = 0.5;
 const OF_ROUND: f64 = 0.9;
-/// Standard deviations of chi-square above its degrees of freedom, and its ratio to them, beyond which the model is noted not to
-/// describe the data.
-const FAR_ABOVE: f64 = 6.0;
-const TIMES: f64 = 3.0;
-/// Runs that are fewer than this, in standard deviations, are noted.
-const FEW_RUNS: f64 = -3.0;
-
 /// Hint for measured states without a counterpart.
 const SAME_NAMES: &str =
     "the names of states must equal those of the scenario, and angles must agree to within 1 deg";
 
 /// A fit that is ready to run.
 pub struct Fitting<'stop> {
-    spec: Fit,
+    pub(super) spec: Fit,
     hash: String,
-    model: Model,
+    pub(super) model: Model,
     evaluator: Evaluator<'stop>,
 }
 
@@ -67,44 +61,42 @@ impl<'stop> Fitting<'stop> {
     pub fn new(spec: Fit, measurement: &Measurement, stop: &'stop AtomicBool) -> Result<Self, DesignError> {
         let start: Vec<f64> = spec.variables.iter().map(|one| one.start).collect();
         let own = display_values(&spec.variables, &start);
-        let mut evaluator = Evaluator::new(Arc::new(study(&spec, Vec::new())), stop);
+        let mut evaluator = Evaluator::new(Arc::new(study(&spec, None, Vec::new())), stop);
         let result = evaluator.hold_level(&own)?;
-        let scene = spec.varied.scenario(&evaluator.study().values(&own)?)?.resolve()?.scene;
+        let paths = evaluator.study().values(&own)?;
+        let scene = spec.varied.scenario(&paths)?.resolve()?.scene;
         let mut simulated = Simulated::of(&result, &scene).ok_or_else(|| DesignError::Fit {
             reason: "all light comes from the front light, so there are no reflectance factors to fit"
                 .to_owned(),
         })?;
-        let of_offset = spec.variables.iter().find(|one| one.target == FitTarget::WavelengthOffset);
-        let offsets = of_offset.map_or([0.0; 2], |one| one.bounds);
-        let mut model = Model::new(&simulated, measurement, offsets)?;
+        let (wavelengths, widened) =
+            Wavelengths::of(&spec, (&paths, &scene.lighting), &simulated, measurement);
+        let mut model = Model::new(&simulated, measurement, &wavelengths)?;
         if spec.deviations == FitDeviations::Residuals {
             model.forget_deviations();
         }
-        let mut evaluator = Evaluator::new(Arc::new(study(&spec, model.quantities.clone())), stop);
+        let of_all = study(&spec, widened, model.quantities.clone());
+        let mut evaluator = Evaluator::new(Arc::new(of_all), stop);
         evaluator.hold_level(&own)?;
         let known = evaluator.evaluate(&own).map_err(|error| {
-            error_of_metric(error, &simulated, measurement, |one| {
-                let alone = study(&spec, vec![one]);
+            by_adding(error_of_metric(error, &simulated, measurement, |one| {
+                let alone = study(&spec, None, vec![one]);
                 Evaluator::new(Arc::new(alone), stop).of_pixels(&own).err()
-            })
+            }))
         })?;
         model.add_metrics(&mut simulated, &known);
-        let compared = compare_measurement(&simulated, measurement)
-            .map_err(|error| DesignError::Fit { reason: format!("{error}\n  = help: {SAME_NAMES}") })?;
-        if compared.looks_like_percent() {
-            model.notes.push(IN_PERCENT.to_owned());
-        }
-        model.notes.splice(
-            0..0,
-            compared
-                .left_out
-                .into_iter()
-                .filter(|note| !note.starts_with("not measured") && !note.starts_with("colours are")),
-        );
+        model.remove_undefined(&known);
+        compare_notes(&mut model, &simulated, measurement)?;
         let (numbers, variables) = (model.observations.len(), spec.variables.len());
         let priors = spec.variables.iter().filter(|one| one.prior.is_some()).count();
         if numbers + priors < variables {
-            let reason = format!("{numbers} measured numbers cannot determine {variables} variables");
+            let (numbers, _) = counted(numbers, "measured number", "measured numbers");
+            let names: Vec<&str> = model.undefined.iter().map(|(name, _)| name.as_str()).collect();
+            let unused = match names.is_empty() {
+                true => String::new(),
+                false => format!(" (not defined in this display: {})", names.join(", ")),
+            };
+            let reason = format!("{numbers} cannot determine {variables} variables{unused}");
             return Err(DesignError::Fit { reason });
         }
         let hash = spec.hash_with(&format!("{:?}", model.observations));
@@ -154,15 +146,16 @@ impl<'stop> Fitting<'stop> {
             best: converged.iter().filter(|one| one.chi_square <= best.chi_square + same).count(),
         };
         let mut done = OF_STARTS;
-        for _ in 0..MOST_ROUNDS {
+        for round in 1..=MOST_ROUNDS {
             (best, common) = self.refined(best, common)?;
             // A better minimum needs another round, so that each leaves a part.
             let until = done + OF_ROUND * (1.0 - done);
             let of_round = |fraction: f64, words: &str| progress(done + fraction * (until - done), words);
-            let found = self.intervals(&best, common, threads, &of_round)?;
+            let found = self.intervals(&best, common, (threads, round == MOST_ROUNDS), &of_round)?;
             done = until;
             match found {
                 Intervals::Found { ends, undetermined } => {
+                    let best = self.kept(best, common, &undetermined)?;
                     return self.report(&best, common, starts, (&ends, &undetermined)).map(Some);
                 }
                 Intervals::Better(point) => best.point = point,
@@ -171,7 +164,7 @@ impl<'stop> Fitting<'stop> {
         Ok(None)
     }
 
-    fn problem(&self, common: CommonDeviations) -> Problem<'_, 'stop> {
+    pub(super) fn problem(&self, common: CommonDeviations) -> Problem<'_, 'stop> {
         Problem {
             model: &self.model,
             variables: &self.spec.variables,
@@ -270,21 +263,21 @@ impl<'stop> Fitting<'stop> {
         }
     }
 
-    fn has_unstated(&self, unit: Unit) -> bool {
+    pub(super) fn has_unstated(&self, unit: Unit) -> bool {
         self.model.observations.iter().any(|one| one.standard_deviation.is_none() && one.unit() == unit)
     }
 
-    fn degrees_of_freedom(&self) -> i64 {
+    pub(super) fn degrees_of_freedom(&self) -> i64 {
         let priors = self.spec.variables.iter().filter(|one| one.prior.is_some()).count();
         (self.model.observations.len() + priors) as i64 - self.spec.variables.len() as i64
     }
 
-    /// Intervals of all determined variables, `[variable][probability][side]`.
+    /// Intervals of all determined variables; in the last round, whether or not there is a better minimum.
     fn intervals(
         &self,
         best: &Minimum,
         common: CommonDeviations,
-        threads: usize,
+        (threads, is_last): (usize, bool),
         progress: &FitProgress<'_>,
     ) -> Result<Intervals, DesignError> {
         let Determined { undetermined, covariance } = determined(&best.jacobian);
@@ -308,25 +301,59 @@ impl<'stop> Fitting<'stop> {
             |problem, task| {
                 let (variable, side) = tasks[task];
                 let deviation = covariance[variable * n + variable].sqrt();
-                ends_of(problem, best, (variable, side), (quantiles, deviation))
+                ends_of(problem, best, (variable, side), (quantiles, deviation, is_last))
             },
         )?;
-        let mut ends = vec![None; n];
+        let mut ends: Vec<Ends> = vec![None; n];
         for ((variable, side), both) in tasks.into_iter().zip(found) {
+            let side = usize::from(side > 0.0);
+            let deviation = covariance[variable * n + variable].sqrt();
+            let interval = ends[variable].get_or_insert_default();
             for (probability, end) in both.into_iter().enumerate() {
-                match end {
+                let (u, cut_by) = match end {
                     End::Better(point) => return Ok(Intervals::Better(point)),
-                    End::At(u) => {
-                        let interval = ends[variable].get_or_insert([[0.0; 2]; 2]);
-                        interval[probability][usize::from(side > 0.0)] = u;
-                    }
-                }
+                    End::At(u, cut_by) => (u, cut_by),
+                };
+                let free = quantiles[probability] * deviation;
+                let is_shorter = (u - best.point[variable]).abs() < CUT * free;
+                let cuts = cut_by.into_iter().filter(|other| *other == variable || is_shorter);
+                interval.cut_by[probability][side] = cuts.collect();
+                interval.ends[probability][side] = u;
             }
         }
-        let spanning: Vec<usize> =
-            (0..n).filter(|k| ends[*k].is_some_and(|ends: [[f64; 2]; 2]| ends[1] == [0.0, 1.0])).collect();
-        spanning.iter().for_each(|k| ends[*k] = None);
-        Ok(Intervals::Found { ends, undetermined: with_spanning(undetermined, &spanning, &covariance) })
+        let undetermined = self.with_cut(&mut ends, undetermined, &covariance);
+        Ok(Intervals::Found { ends, undetermined })
+    }
+
+    /// Adds variables to the undetermined groups, without their intervals: those whose intervals span their bounds, if no prior
+    /// determines them, and those that only the bounds of such a variable limit.
+    fn with_cut(
+        &self,
+        ends: &mut [Ends],
+        undetermined: Vec<Vec<usize>>,
+        covariance: &[f64],
+    ) -> Vec<Vec<usize>> {
+        let n = ends.len();
+        let spans = |k: &usize| {
+            let one = &self.spec.variables[*k];
+            let is_known = one.prior.is_some_and(|[_, sigma]| sigma < one.bounds[1] - one.bounds[0]);
+            !is_known && ends[*k].as_ref().is_some_and(|one| one.ends[1] == [0.0, 1.0])
+        };
+        let spanning: Vec<usize> = (0..n).filter(spans).collect();
+        let correlation = |i: usize, k: usize| {
+            covariance[i * n + k] / (covariance[i * n + i] * covariance[k * n + k]).sqrt()
+        };
+        let is_cut = |k: &usize| {
+            let Some(one) = &ends[*k] else { return false };
+            let cuts = |other: &&usize| {
+                one.cut_by[1].iter().any(|side| side.contains(other))
+                    && correlation(*k, **other).abs() > CORRELATED
+            };
+            spanning.contains(k) || spanning.iter().any(|other| cuts(&other))
+        };
+        let all: Vec<usize> = (0..n).filter(is_cut).collect();
+        all.iter().for_each(|k| ends[*k] = None);
+        with_spanning(undetermined, &all, covariance)
     }
 
     fn report(
@@ -337,13 +364,15 @@ impl<'stop> Fitting<'stop> {
         (ends, undetermined): (&[Ends], &[Vec<usize>]),
     ) -> Result<FitReport, DesignError> {
         let (variables, n) = (&self.spec.variables, best.point.len());
-        let covariance = determined(&best.jacobian).covariance;
+        let Determined { covariance, undetermined: without_number } = determined(&best.jacobian);
         let fitted = values(variables, &best.point);
         let error = |k: usize| covariance[k * n + k].sqrt();
         let variable = |(k, one): (usize, &FitVariable)| {
             let [from, to] = one.bounds;
             let at = |u: f64| from + u * (to - from);
             let is_known = ends[k].is_some();
+            let interval = |probability: usize| ends[k].as_ref().map(|one| one.ends[probability].map(at));
+            let cut_by = ends[k].as_ref().map_or(Vec::new(), Interval::cut_by);
             FittedVariable {
                 key: one.name.clone(),
                 keys: one.paths().map(str::to_owned).collect(),
@@ -351,17 +380,19 @@ impl<'stop> Fitting<'stop> {
                 value: is_known.then_some(fitted[k]),
                 best: fitted[k],
                 standard_error: is_known.then(|| error(k) * (to - from)),
-                interval_68: ends[k].map(|ends| ends[0].map(at)),
-                interval_95: ends[k].map(|ends| ends[1].map(at)),
-                at_bound: best.point[k] <= AT_BOUND || best.point[k] >= 1.0 - AT_BOUND,
+                interval_68: interval(0),
+                interval_95: interval(1),
+                at_bound: is_at_bound(best.point[k]),
+                cut_by: cut_by.into_iter().map(|other| variables[other].name.clone()).collect(),
                 bounds: one.bounds,
                 start: one.own,
                 prior: one.prior,
             }
         };
         let correlation = |i: usize, k: usize| {
-            let known = ends[i].is_some() && ends[k].is_some();
-            known.then(|| (covariance[i * n + k] / (error(i) * error(k))).clamp(-1.0, 1.0))
+            let is_without = |k: usize| without_number.iter().flatten().any(|other| *other == k);
+            (!is_without(i) && !is_without(k))
+                .then(|| (covariance[i * n + k] / (error(i) * error(k))).clamp(-1.0, 1.0))
         };
         let mut problem = self.problem(common);
         let predicted =
@@ -390,12 +421,13 @@ impl<'stop> Fitting<'stop> {
             lab: self.has_unstated(Unit::Lab).then_some(common.lab),
         };
         let runs = runs(&self.model, &differences);
+        let fitted_variables: Vec<FittedVariable> = variables.iter().enumerate().map(variable).collect();
         let mut notes = self.model.notes.clone();
-        notes.extend(self.remarks(best.chi_square, &runs, starts));
+        notes.extend(self.remarks(best, &fitted_variables, &runs, starts));
         Ok(FitReport {
             title: self.spec.title.clone(),
             hash: self.hash.clone(),
-            variables: variables.iter().enumerate().map(variable).collect(),
+            variables: fitted_variables,
             correlations: (0..n).map(|i| (0..n).map(|k| correlation(i, k)).collect()).collect(),
             undetermined: undetermined
                 .iter()
@@ -428,47 +460,29 @@ impl<'stop> Fitting<'stop> {
         }
         best.chi_square + logarithms + variables as f64 * (self.model.observations.len() as f64).ln()
     }
+}
 
-    /// Remark on a chi-square far above its degrees of freedom, where all standard deviations are stated.
-    fn misfit(&self, chi_square: f64) -> Option<String> {
-        let freedom = self.degrees_of_freedom();
-        let [all, most] = [freedom as f64, freedom as f64 + FAR_ABOVE * (2.0 * freedom as f64).sqrt()];
-        let is_stated = !self.has_unstated(Unit::Fraction) && !self.has_unstated(Unit::Lab);
-        (is_stated && freedom > 0 && chi_square > most && chi_square > TIMES * all).then(|| {
-            format!(
-                "chi-square, {chi_square:.0}, is far above {freedom} degrees of freedom: the model does not describe the data within the \
-                 stated standard deviations, and the intervals are too narrow"
-            )
-        })
-    }
+/// Intervals of a variable, `[probability][side]`.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Interval {
+    /// Their ends, in the unit cube.
+    ends: [[f64; 2]; 2],
+    /// Variables whose bounds cut them there.
+    cut_by: [[Vec<usize>; 2]; 2],
+}
 
-    /// Remarks on the result.
-    fn remarks(&self, chi_square: f64, runs: &Option<super::Runs>, starts: Starts) -> Vec<String> {
-        let is_small = chi_square < SMALL * self.degrees_of_freedom().max(1) as f64;
-        let systematic = runs.filter(|runs| runs.z < FEW_RUNS && !is_small).map(|runs| {
-            format!(
-                "the residuals have {} runs of one sign, independent errors have {:.0} (z = {:.1}): the model or the measurement differs \
-                 systematically, and the intervals are too narrow",
-                runs.count, runs.expected, runs.z
-            )
-        });
-        let lonely = (starts.best == 1 && starts.count > 2).then(|| {
-            format!(
-                "only one of {} starts has found this minimum: use more starts (fit.starts) or narrower bounds",
-                starts.count
-            )
-        });
-        let outside = self.spec.variables.iter().filter_map(|one| {
-            let own = one.own.filter(|own| !(one.bounds[0]..=one.bounds[1]).contains(own))?;
-            Some(format!("{}: the scenario's own value, {own}, is outside the bounds", one.name))
-        });
-        outside.chain(self.misfit(chi_square)).chain(systematic).chain(lonely).collect()
+impl Interval {
+    /// All variables whose bounds cut an interval.
+    fn cut_by(&self) -> Vec<usize> {
+        let mut all: Vec<usize> = self.cut_by.iter().flatten().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 }
 
-/// Ends of the intervals of a variable, `[probability][side]`, in the unit cube; `None` if the data do not
-/// determine it.
-type Ends = Option<[[f64; 2]; 2]>;
+/// Intervals of a variable; `None` if the data do not determine it.
+type Ends = Option<Interval>;
 
 /// Ends of intervals, in the unit cube, of the variables that the data determine; or a better minimum.
 enum Intervals {
@@ -480,13 +494,76 @@ enum Intervals {
     Better(Vec<f64>),
 }
 
-fn in_bounds(variable: &FitVariable, value: f64) -> f64 {
+pub(super) fn in_bounds(variable: &FitVariable, value: f64) -> f64 {
     let [from, to] = variable.bounds;
     ((value - from) / (to - from)).clamp(0.0, 1.0)
 }
 
-/// Study of the variables of the display.
-fn study(spec: &Fit, quantities: Vec<NamedQuantity>) -> Study {
+/// Adds notes on what was measured and is not used.
+fn compare_notes(
+    model: &mut Model,
+    simulated: &Simulated,
+    measurement: &Measurement,
+) -> Result<(), DesignError> {
+    let undefined = &model.undefined;
+    let is_defined = |one: &&MeasuredMetric| {
+        let view = simulated.view_of_metric(one);
+        view.is_none_or(|view| !undefined.contains(&(one.name(), view)))
+    };
+    let defined = Measurement {
+        states: measurement.states.clone(),
+        metrics: measurement.metrics.iter().filter(is_defined).cloned().collect(),
+    };
+    let mut names: Vec<&str> = undefined.iter().map(|(name, _)| name.as_str()).collect();
+    names.dedup();
+    let unused = (!names.is_empty()).then(|| {
+        format!(
+            "not used, because this display has no states or keys that define them (docs/metrics.md): {}",
+            names.join(", ")
+        )
+    });
+    if let (Some(unused), true) = (&unused, defined.states.is_empty() && defined.metrics.is_empty()) {
+        return Err(DesignError::Fit { reason: format!("nothing is left to fit\n  {unused}") });
+    }
+    let compared = compare_measurement(simulated, &defined)
+        .map_err(|error| DesignError::Fit { reason: format!("{error}\n  = help: {SAME_NAMES}") })?;
+    let is_of_fit = |note: &&String| !note.starts_with("not measured") && !note.starts_with("colours are");
+    model.notes.splice(0..0, compared.left_out.iter().filter(is_of_fit).cloned().chain(unused));
+    if compared.looks_like_percent() {
+        model.notes.push(IN_PERCENT.to_owned());
+    }
+    Ok(())
+}
+
+/// Error of a display that only the other solver computes: a fit cannot use that one.
+fn by_adding(error: DesignError) -> DesignError {
+    let reason = |what: &str, key: &str| {
+        format!(
+            "a fit uses the adding solver, which does not compute the places of light for {what} (see `{key}`)"
+        )
+    };
+    match error {
+        DesignError::MeasuredMetric { error, metric, command, place } => {
+            let error = match *error {
+                DesignError::Display(DisplayError::PlacesByPaths { what, key }) => {
+                    let help = "leave this metric out of the measurement; `papilio compare` compares it";
+                    Box::new(DesignError::Fit {
+                        reason: format!("{}\n  = help: {help}", reason(&what, &key)),
+                    })
+                }
+                other => Box::new(other),
+            };
+            DesignError::MeasuredMetric { error, metric, command, place }
+        }
+        DesignError::Display(DisplayError::PlacesByPaths { what, key }) => {
+            DesignError::Fit { reason: reason(&what, &key) }
+        }
+        other => other,
+    }
+}
+
+/// Study of the variables of the display; `widened` is the scenario of the spectra, if it is another one.
+fn study(spec: &Fit, widened: Option<ParameterisedScenario>, quantities: Vec<NamedQuantity>) -> Study {
     let variable = |one: &FitVariable| match &one.target {
         FitTarget::Keys(keys) => {
             Some(Variable { name: one.name.clone(), keys: keys.clone(), values: Values::Number })
@@ -494,8 +571,33 @@ fn study(spec: &Fit, quantities: Vec<NamedQuantity>) -> Study {
         FitTarget::WavelengthOffset | FitTarget::Scale => None,
     };
     Study {
-        conditions: vec![Condition { name: String::new(), varied: spec.varied.clone() }],
+        conditions: std::iter::once(spec.varied.clone())
+            .chain(widened)
+            .map(|varied| Condition { name: String::new(), varied })
+            .collect(),
         variables: spec.variables.iter().filter_map(variable).collect(),
         quantities,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refused_layers_are_not_sent_to_the_other_solver() {
+        let refused =
+            || DisplayError::PlacesByPaths { what: "layers".to_owned(), key: "display.layers".to_owned() };
+        let of_metric = DesignError::MeasuredMetric {
+            error: Box::new(refused().into()),
+            metric: "white.f50_x_per_mm".to_owned(),
+            command: "mtf",
+            place: "m.csv:2:1".to_owned(),
+        };
+        for error in [refused().into(), of_metric] {
+            assert!(error.to_string().contains("monte-carlo"));
+            let ours = by_adding(error).to_string();
+            assert!(!ours.contains("monte-carlo") && ours.contains("a fit uses the adding solver"), "{ours}");
+        }
     }
 }

@@ -18,7 +18,7 @@ use papilio_spectra::Tabulated;
 use papilio_testing::sized;
 
 /// A film pixel below a diffuser.
-const DISPLAY: &str = r#"
+pub(crate) const DISPLAY: &str = r#"
 [spectrum]
 range_nm = [400, 700]
 step_nm = 10
@@ -48,7 +48,7 @@ preset = "overcast"
 "#;
 
 /// The pixel alone, with nothing above it.
-const BARE: &str = r#"
+pub(crate) const BARE: &str = r#"
 [spectrum]
 range_nm = [400, 700]
 step_nm = 5
@@ -67,14 +67,15 @@ film = { one = { gap_nm = 0.0 } }
 "#;
 
 const CHROMIUM: &str = "[[fit.variables]]\nkey = \"display.pixel.film.0.thickness_nm\"\nbounds = [8, 16]\n";
-const GAP: &str = "[[fit.variables]]\nkey = \"display.pixel.gap_nm.one\"\nbounds = [160, 220]\n";
+pub(crate) const GAP: &str = "[[fit.variables]]\nkey = \"display.pixel.gap_nm.one\"\nbounds = [160, 220]\n";
 const DARK: &str = "[[fit.variables]]\nkey = \"display.pixel.gap_nm.dark\"\nbounds = [5, 45]\n";
-const FILM: &str = "[[fit.variables]]\nkey = \"display.pixel.film.0.thickness_nm\"\nbounds = [350, 450]\n";
-const FILL: &str = "[[fit.variables]]\nkey = \"display.pixel.fill_factor\"\nbounds = [0.5, 1]\n";
-const SCALE: &str = "[[fit.variables]]\nkey = \"meter.scale\"\nbounds = [0.8, 1.2]\n";
+pub(crate) const FILM: &str =
+    "[[fit.variables]]\nkey = \"display.pixel.film.0.thickness_nm\"\nbounds = [350, 450]\n";
+pub(crate) const FILL: &str = "[[fit.variables]]\nkey = \"display.pixel.fill_factor\"\nbounds = [0.5, 1]\n";
+pub(crate) const SCALE: &str = "[[fit.variables]]\nkey = \"meter.scale\"\nbounds = [0.8, 1.2]\n";
 const OFFSET: &str = "[[fit.variables]]\nkey = \"meter.wavelength_offset_nm\"\nbounds = [-4, 4]\n";
 
-fn simulated(text: &str, set: &[String]) -> Simulated {
+pub(crate) fn simulated(text: &str, set: &[String]) -> Simulated {
     let resolved = Scenario::from_text(text, "display", Path::new(""), set).unwrap().resolve().unwrap();
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
     let result = papilio_display::run(&resolved.scene, &control).unwrap();
@@ -88,7 +89,7 @@ fn normal(seed: u64, number: usize) -> f64 {
 }
 
 /// The spectra of a simulated display with noise of 0.5 % and 0.0005.
-fn spectra(of: &Simulated, states: &[&str], seed: u64, is_stated: bool) -> Measurement {
+pub(crate) fn spectra(of: &Simulated, states: &[&str], seed: u64, is_stated: bool) -> Measurement {
     let nm = of.grid.wavelengths_nm();
     let mut number = 0;
     let one = |state: &&str| {
@@ -112,18 +113,22 @@ fn spectra(of: &Simulated, states: &[&str], seed: u64, is_stated: bool) -> Measu
     Measurement { states: states.iter().map(one).collect(), metrics: Vec::new() }
 }
 
-fn try_fit(text: &str, measurement: &Measurement, threads: usize) -> Result<Option<FitReport>, DesignError> {
+pub(crate) fn try_fit(
+    text: &str,
+    measurement: &Measurement,
+    threads: usize,
+) -> Result<Option<FitReport>, DesignError> {
     let spec = Fit::from_text(text, "display", Path::new(""), &[]).unwrap();
     let stop = AtomicBool::new(false);
     Fitting::new(spec, measurement, &stop)?.run(threads, &|_, _| {})
 }
 
-fn fit(display: &str, variables: &[&str], measurement: &Measurement) -> FitReport {
+pub(crate) fn fit(display: &str, variables: &[&str], measurement: &Measurement) -> FitReport {
     let text = format!("{display}[fit]\nstarts = 2\n{}", variables.concat());
     try_fit(&text, measurement, 1).unwrap().unwrap()
 }
 
-fn contains(interval: Option<[f64; 2]>, value: f64) -> bool {
+pub(crate) fn contains(interval: Option<[f64; 2]>, value: f64) -> bool {
     interval.is_some_and(|[from, to]| (from..=to).contains(&value))
 }
 
@@ -198,7 +203,7 @@ fn exact_simulation_is_fitted() {
     }
 }
 
-fn named<'a>(found: &'a FitReport, key: &str) -> &'a FittedVariable {
+pub(crate) fn named<'a>(found: &'a FitReport, key: &str) -> &'a FittedVariable {
     found.variables.iter().find(|one| one.key == key).unwrap()
 }
 

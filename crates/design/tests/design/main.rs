@@ -4,4 +4,5 @@
 
 mod design;
 mod fit;
+mod fit_limits;
 mod production;

@@ -119,7 +119,7 @@ impl Resolver<'_> {
                 at,
                 wrong.hint(
                     "areas are fractions of the pixel: what changes one of them changes another by as much, as `compensated_by` of a \
-                     variable of [optimize] does; [tolerance] varies none alone",
+                     variable of [optimize] or [fit] does; [tolerance] varies none alone",
                 ),
             );
         } else if (sum - 1.0).abs() > 1e-9 {

@@ -1,0 +1,160 @@
+//! Notes on the result of a fit: what a user must know before using its numbers.
+
+use papilio_scenario::FitTarget;
+
+use super::bounded::step;
+use super::levenberg_marquardt::{Minimum, dot};
+use super::model::{Unit, counted};
+use super::report::{FittedVariable, Runs, Starts};
+use super::run::Fitting;
+
+/// Standard deviations of chi-square above its degrees of freedom, and its ratio to them, beyond which the model is noted not to
+/// describe the data.
+const FAR_ABOVE: f64 = 6.0;
+const TIMES: f64 = 3.0;
+/// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
+const SMALL: f64 = 0.25;
+/// Runs that are fewer than this, in standard deviations, are noted.
+const FEW_RUNS: f64 = -3.0;
+
+impl Fitting<'_> {
+    /// Remarks on the result.
+    pub(super) fn remarks(
+        &self,
+        best: &Minimum,
+        fitted: &[FittedVariable],
+        runs: &Option<Runs>,
+        starts: Starts,
+    ) -> Vec<String> {
+        let is_small = best.chi_square < SMALL * self.degrees_of_freedom().max(1) as f64;
+        let systematic = runs.filter(|runs| runs.z < FEW_RUNS && !is_small).map(|runs| {
+            format!(
+                "the residuals have {} runs of one sign, independent errors have {:.0} (z = {:.1}): the model or the measurement differs \
+                 systematically, and the intervals are too narrow",
+                runs.count, runs.expected, runs.z
+            )
+        });
+        let lonely = (starts.best == 1 && starts.count > 2).then(|| {
+            format!(
+                "only one of {} starts has found this minimum: use more starts (fit.starts) or narrower bounds",
+                starts.count
+            )
+        });
+        let outside = self.spec.variables.iter().filter_map(|one| {
+            let own = one.own.filter(|own| !(one.bounds[0]..=one.bounds[1]).contains(own))?;
+            Some(format!("{}: the scenario's own value, {own}, is outside the bounds", one.name))
+        });
+        let all = outside.chain(self.misfit(best)).chain(systematic).chain(lonely);
+        all.chain(cuts(fitted)).chain(self.dropped()).chain(self.of_meter(fitted)).collect()
+    }
+
+    /// Remark on a chi-square far above its degrees of freedom, where all standard deviations are stated.
+    fn misfit(&self, best: &Minimum) -> Option<String> {
+        let freedom = self.degrees_of_freedom().max(0);
+        let some = freedom.max(1) as f64;
+        let most = (some + FAR_ABOVE * (2.0 * some).sqrt()).max(TIMES * some);
+        let is_stated = !self.has_unstated(Unit::Fraction) && !self.has_unstated(Unit::Lab);
+        if !is_stated || best.chi_square <= most {
+            return None;
+        }
+        let (of_freedom, _) = counted(freedom as usize, "degree of freedom", "degrees of freedom");
+        let prior = self.prior_against_the_data(best).unwrap_or_default();
+        let chi_square = in_short(best.chi_square);
+        Some(format!(
+            "chi-square, {chi_square}, is far above {of_freedom}: the model does not describe the data within the stated standard deviations, and \
+             the intervals are too narrow{prior}"
+        ))
+    }
+
+    /// The prior without which chi-square would fall most, if that is by most of it.
+    fn prior_against_the_data(&self, best: &Minimum) -> Option<String> {
+        let priors = self.spec.variables.iter().filter_map(|one| Some((one.name.as_str(), one.prior?)));
+        let first = self.model.observations.len();
+        let without = priors.enumerate().filter_map(|(row, prior)| {
+            let row = first + row;
+            let cut = |all: &[f64]| {
+                all.iter().enumerate().filter(|(at, _)| *at != row).map(|(_, one)| *one).collect::<Vec<f64>>()
+            };
+            let jacobian: Vec<Vec<f64>> = best.jacobian.iter().map(|column| cut(column)).collect();
+            let mut moved = cut(&best.residuals);
+            let held = vec![false; best.point.len()];
+            let step = step(&jacobian, &moved, &best.point, &held, 1e-8)?;
+            for (column, by) in jacobian.iter().zip(&step) {
+                moved.iter_mut().zip(column).for_each(|(residual, slope)| *residual += slope * by);
+            }
+            Some((dot(&moved, &moved), prior))
+        });
+        let (least, (name, [mean, sigma])) = without.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (least < 0.5 * best.chi_square).then(|| {
+            format!(
+                "; it would be about {} without the prior of {name}, {mean} +- {sigma}, with which the data do not agree",
+                in_short(least)
+            )
+        })
+    }
+
+    /// Remark on measured numbers that are not used because of the offset.
+    fn dropped(&self) -> Option<String> {
+        let dropped = self.model.dropped;
+        (dropped > 0).then(|| {
+            let (numbers, are) = counted(dropped, "number", "numbers");
+            format!(
+                "BIC and chi-square are of {} numbers; {numbers} {are} not used because of the bounds of meter.wavelength_offset_nm: BIC can only be \
+                 compared with that of a fit to the same numbers",
+                self.model.observations.len()
+            )
+        })
+    }
+
+    /// Remark on numbers of the meter, which the fitted scenario cannot have.
+    fn of_meter(&self, fitted: &[FittedVariable]) -> Option<String> {
+        let of_meter = self.spec.variables.iter().zip(fitted);
+        let of_meter = of_meter.filter(|(one, _)| !matches!(one.target, FitTarget::Keys(_)));
+        let names: Vec<&str> = of_meter.map(|(one, _)| one.name.as_str()).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{} in fitted.toml only as comments: `papilio compare` of fitted.toml with these data does not apply them; fit.csv has the \
+                 residuals",
+                match names.as_slice() {
+                    [one] => format!("{one} is"),
+                    several => format!("{} are", several.join(" and ")),
+                }
+            )
+        })
+    }
+}
+
+/// Remarks on intervals that bounds have cut: one for the bounds of each variable.
+fn cuts(fitted: &[FittedVariable]) -> Vec<String> {
+    let remark = |bounded: &FittedVariable| {
+        let key = &bounded.key;
+        let cut: Vec<&FittedVariable> = fitted.iter().filter(|one| one.cut_by.contains(key)).collect();
+        let others: Vec<&str> = cut.iter().map(|one| one.key.as_str()).filter(|other| other != key).collect();
+        let is_own = cut.len() > others.len() && !bounded.at_bound;
+        let by_prior = bounded.prior.filter(|_| is_own).map_or("", |_| ", within its prior");
+        let of_others = match others.as_slice() {
+            [one] => format!(
+                "the interval of {one} ends where {key} is at its bounds: the data determine only both together"
+            ),
+            several => format!(
+                "the intervals of {} end where {key} is at its bounds: the data determine them only together with it",
+                several.join(", ")
+            ),
+        };
+        match (is_own, others.is_empty()) {
+            (false, true) => None,
+            (false, false) => Some(of_others),
+            (true, true) => Some(format!("the interval of {key} ends at its bounds{by_prior}")),
+            (true, false) => Some(format!("the interval of {key} ends at its bounds{by_prior}; {of_others}")),
+        }
+    };
+    fitted.iter().filter_map(remark).collect()
+}
+
+/// A chi-square in a sentence.
+fn in_short(chi_square: f64) -> String {
+    match chi_square < 1e7 {
+        true => format!("{chi_square:.0}"),
+        false => format!("{chi_square:.2e}"),
+    }
+}
