@@ -527,7 +527,8 @@ fn compare_notes(
     }
     let compared = compare_measurement(simulated, &defined)
         .map_err(|error| DesignError::Fit { reason: format!("{error}\n  = help: {SAME_NAMES}") })?;
-    let is_of_fit = |note: &&String| !note.starts_with("not measured") && !note.starts_with("colours are");
+    const OF_COLOURS: [&str; 4] = ["not measured", "colours are", "no contrast", "no gamut"];
+    let is_of_fit = |note: &&String| OF_COLOURS.iter().all(|of_colours| !note.starts_with(of_colours));
     model.notes.splice(0..0, compared.left_out.iter().filter(is_of_fit).cloned().chain(unused));
     if compared.looks_like_percent() {
         model.notes.push(IN_PERCENT.to_owned());
