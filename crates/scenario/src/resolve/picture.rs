@@ -49,14 +49,14 @@ pub(super) struct FilePicture {
     space: SourceSpace,
     picture: SourcePicture,
     warnings: Vec<String>,
-    /// The picture on the last number of pixels that was requested.
+    /// The last number of pixels that was requested, and the picture on them if it was requested again: it takes as much memory as the result.
     fitted: Mutex<Option<FittedPicture>>,
 }
 
 struct FittedPicture {
     to: [usize; 2],
     fit: Fit,
-    pixels: Vec<[f32; 3]>,
+    pixels: Option<Vec<[f32; 3]>>,
 }
 
 impl FilePicture {
@@ -82,12 +82,15 @@ impl FilePicture {
 
     fn fitted(&self, to: [usize; 2], fit: Fit) -> Vec<[f32; 3]> {
         let mut kept = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kept) = kept.as_ref().filter(|kept| (kept.to, kept.fit) == (to, fit)) {
-            return kept.pixels.clone();
+        let last = kept.as_ref().filter(|kept| (kept.to, kept.fit) == (to, fit));
+        if let Some(pixels) = last.and_then(|kept| kept.pixels.as_ref()) {
+            return pixels.clone();
         }
+        let is_again = last.is_some();
         let size = [self.picture.columns(), self.picture.rows()];
         let pixels = fitted(size, |row| self.picture.row(row), to, fit, white());
-        *kept = (pixels.len() <= MOST_KEPT_PIXELS).then(|| FittedPicture { to, fit, pixels: pixels.clone() });
+        let is_kept = is_again && pixels.len() <= MOST_KEPT_PIXELS;
+        *kept = Some(FittedPicture { to, fit, pixels: is_kept.then(|| pixels.clone()) });
         pixels
     }
 }
