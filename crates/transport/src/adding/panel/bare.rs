@@ -96,7 +96,8 @@ impl Kernel {
     /// Returns whether its points can be used for this base.
     pub(super) fn serves(&self, stack: &Panel) -> bool {
         let across = |view: &View| stack.base.nodes_across(&view.cone, &stack.medium);
-        self.is_polarising == is_polarising(stack) && self.views.iter().all(|view| view.across == across(view))
+        self.is_polarising == is_polarising(stack)
+            && self.views.iter().all(|view| view.across == across(view))
     }
 
     pub(super) fn nodes(&self) -> usize {
