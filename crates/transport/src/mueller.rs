@@ -48,6 +48,7 @@ pub struct Mueller {
 
 /// The matrices of a pixel by direction.
 #[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "there is one pixel, not many")]
 pub enum MuellerByDirection {
     /// Interpolated.
     Table {

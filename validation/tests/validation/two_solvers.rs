@@ -364,11 +364,15 @@ fn every_scenario_agrees() {
         let adding = run(&scene).unwrap();
         (scene.solver.method, scene.solver.stop) = (Method::MonteCarlo, Stop::Paths(paths));
         let walk = run(&scene).unwrap();
+        // Adding computes a liquid crystal in each direction, and paths interpolate in its table, within 1e-4: 6.5 of these are 2e-4.
+        let is_crystal = matches!(scene.display.pixel, papilio_display::scene::Pixel::Crystal(_));
+        let of_table = if is_crystal { 3e-5 } else { 0.0 };
         for (exact, noisy) in adding.views.iter().zip(&walk.views) {
             let exact = of_view(exact, |state| state.discretisation_error.as_ref().unwrap());
             let noisy = of_view(noisy, |state| &state.standard_error);
             for ((what, exact, discretisation), (_, noisy, standard)) in exact.into_iter().zip(noisy) {
-                let error = standard.hypot(discretisation) + 1e-7 * exact.abs() + 1e-12;
+                let rounding = 1e-7 * exact.abs() + 1e-12;
+                let error = standard.hypot(discretisation) + rounding + of_table * (1.0 + exact.abs());
                 let z = (noisy - exact) / error;
                 assert!(
                     z.abs() < 6.5,

@@ -226,7 +226,7 @@ polariser = 20
     for design in [[137.5, 45.0, 2.0], [120.0, 50.0, 1.5], [150.0, 40.0, 2.4]] {
         let fast = evaluator.evaluate(&design).unwrap();
         let mut alone = study.clone();
-        alone.conditions[0].varied = varied(&[many.clone()]);
+        alone.conditions[0].varied = varied(std::slice::from_ref(&many));
         let result = Evaluator::new(Arc::new(alone), &STOP).run(&design, 0).unwrap();
         for (named, fast) in study.quantities.iter().zip(fast) {
             let (fast, full) = (fast.unwrap(), named.quantity.of(&result).unwrap());
