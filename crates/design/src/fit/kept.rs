@@ -7,8 +7,8 @@ use super::problem::CommonDeviations;
 use super::run::{Fitting, in_bounds};
 use crate::DesignError;
 
-/// Increase of chi-square that is small compared with 1, by which one standard error changes it.
-const AS_GOOD: f64 = 0.03;
+/// Increase of chi-square at which values fit as well: small compared with 1, that by one standard error.
+const AS_GOOD: f64 = 0.1;
 
 impl Fitting<'_> {
     /// A minimum that is as good, at which as many as possible of the variables of each undetermined group have the value of the
