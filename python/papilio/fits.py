@@ -70,6 +70,8 @@ class FittedVariable(NamedTuple):
     start: float
     #: Value of the best fit, even if others fit as well.
     best: float
+    #: First keys of the variables, this one among them, at whose bounds the intervals end; the data alone give wider ones.
+    cut_by: tuple[str, ...]
 
 
 class Fitted(_Written):
@@ -313,6 +315,7 @@ def _variable(one: Mapping[str, Any]) -> FittedVariable:
         _interval(one["bounds"]),
         _number(one["start"]),
         float(one["best"]),
+        tuple(one["cut_by"]),
     )
 
 

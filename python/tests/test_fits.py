@@ -46,8 +46,8 @@ def test_numbers_are_those_of_report(found):
     assert list(found.variables) == [one["key"] for one in report["variables"]]
     for at, (key, one) in enumerate(found.variables.items()):
         told = report["variables"][at]
-        assert (one.value, one.standard_error, list(one.interval_95), one.at_bound) == tuple(
-            told[name] for name in ("value", "standard_error", "interval_95", "at_bound")
+        assert (one.value, one.standard_error, list(one.interval_95), one.at_bound, list(one.cut_by)) == tuple(
+            told[name] for name in ("value", "standard_error", "interval_95", "at_bound", "cut_by")
         )
         assert found["value"][at] == one.value and tuple(found["interval_68"][at]) == one.interval_68
         # The true values, of the header of the data, lie within three and a half standard errors.

@@ -19,7 +19,7 @@ table! {
         numerical_aperture as "Numerical aperture": Option<InnerShare>,
         /// Polariser before the eye, such as sunglasses: `"s"`, `"p"`, or the angle of the light that it
         /// passes from the plane of incidence, counter-clockwise as seen by the viewer (docs/light.md).
-        polariser as "Polariser": Option<Polariser>,
+        polariser as "Angle of the polariser (deg)": Option<Polariser>,
         /// Viewing distance; it determines the angle of text (docs/readability.md), not the colours.
         distance_mm as "Viewing distance": Millimetres = Millimetres(500.0),
         /// Age of the reader of black text (docs/readability.md); 25 if only the text is described.
