@@ -12,7 +12,7 @@ use papilio_scenario::Scenario;
 
 use crate::common::{run, scenario, walked};
 
-/// Cells and films alone, which both implementations compute alike.
+/// Cells and films alone: both implementations agree on them to rounding.
 const CELLS: &str = "display.pixel.stack=[{ kind = \"film\", material = 1.7, thickness_nm = 90 }, \
     { kind = \"cell\", gap_um = 1.1, n_o = 1.5, n_e = 1.62, rub_deg = 100, twist_deg = -40, slices = 6, \
       states = { white = { tilt_deg = 25 }, black = { tilt_deg = 70 } } }]";

@@ -120,19 +120,17 @@ impl<'a> Parts<'a> {
         stated.next()
     }
 
-    /// Returns the illuminant of the colours: of `WEIGHTING_FUNCTION "ILLUMINANT, D50"`, or `ILLUMINATION_NAME "D50"`.
+    /// Returns the illuminant of the colours: of `WEIGHTING_FUNCTION "ILLUMINANT, D50"`, or else of `ILLUMINATION_NAME "D50"`. What
+    /// `MEASUREMENT_SOURCE` states comes last: it may be the lamp of the instrument.
     fn illuminant(&self) -> Option<String> {
-        let pairs = self.head.windows(2).filter(|pair| pair[0].line == pair[1].line);
-        let mut stated = pairs.filter_map(|pair| match pair[0].text {
-            "ILLUMINATION_NAME" | "ILLUMINANT" | "ILLUMINANT_NAME" | "MEASUREMENT_SOURCE" => {
-                illuminant(pair[1].text)
-            }
-            "WEIGHTING_FUNCTION" if pair[1].text.to_ascii_uppercase().starts_with("ILLUMINANT") => {
-                illuminant(pair[1].text)
-            }
-            _ => None,
-        });
-        stated.next()
+        let stated = |keywords: &[&str], begin: &str| {
+            let pairs = self.head.windows(2).filter(|pair| pair[0].line == pair[1].line);
+            let texts = pairs.filter(|pair| keywords.contains(&pair[0].text)).map(|pair| pair[1].text);
+            texts.filter(|text| text.to_ascii_uppercase().starts_with(begin)).find_map(illuminant)
+        };
+        stated(&["WEIGHTING_FUNCTION"], "ILLUMINANT")
+            .or_else(|| stated(&["ILLUMINATION_NAME", "ILLUMINANT", "ILLUMINANT_NAME"], ""))
+            .or_else(|| stated(&["MEASUREMENT_SOURCE"], ""))
     }
 
     /// Checks what keywords state of the spectra against their fields.

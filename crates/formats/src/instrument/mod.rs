@@ -166,15 +166,12 @@ impl Source<'_> {
     }
 }
 
-/// Returns the illuminant that a text such as `D50` or `ILLUMINANT, D65` names.
+/// Returns the name in the spelling of the CIE of the illuminant that a text such as `D50` or `ILLUMINANT, F11` states; `None` if it is not tabulated.
 pub(crate) fn illuminant(text: &str) -> Option<String> {
-    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
-    let is_known = |word: &&str| {
-        let digits = |rest: &str| !rest.is_empty() && rest.bytes().all(|byte| byte.is_ascii_digit());
-        ["A", "C", "E"].contains(word)
-            || ["D", "F", "LED"].iter().any(|kind| word.strip_prefix(kind).is_some_and(digits))
-    };
-    words.filter(|word| !word.is_empty()).find(is_known).map(str::to_owned)
+    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
+    // A word that names a light by its use is none in such a text.
+    let is_code = |word: &&str| word.len() == 1 || word.bytes().any(|byte| byte.is_ascii_digit());
+    words.filter(is_code).find_map(papilio_spectra::illuminant_name).map(str::to_owned)
 }
 
 /// Returns the observer that a text such as `2 degree` or `10_Degree` names.

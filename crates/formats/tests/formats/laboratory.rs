@@ -248,7 +248,16 @@ fn illuminant_of_colours_is_read() {
             cgats("MEASUREMENT_SOURCE \"Illumination=D50 ObserverAngle=2 degree WhiteBase=Abs Filter=no\""),
             Some("D50"),
         ),
+        (cgats("ILLUMINATION_NAME \"F11\""), Some("FL11")),
+        // The lamp of the instrument, and the illuminant of its colours.
+        (
+            cgats(
+                "MEASUREMENT_SOURCE \"Illumination=A WhiteBase=Abs\"\nWEIGHTING_FUNCTION \"ILLUMINANT, D50\"",
+            ),
+            Some("D50"),
+        ),
         (cgats("ILLUMINANT \"unknown\""), None),
+        (cgats("ILLUMINANT \"D93\""), None),
         (cxf.to_owned(), Some("D50")),
     ] {
         let file = data("panel.txt", text.as_bytes());
@@ -257,7 +266,7 @@ fn illuminant_of_colours_is_read() {
         };
         assert_eq!(illuminant.as_deref(), stated, "{text}");
         let notes = read_measured_panel(&file).unwrap().warnings;
-        let is_noted = notes.iter().any(|note| note.contains("are those in D"));
+        let is_noted = notes.iter().any(|note| note.contains("the colours of the file are those in "));
         assert_eq!(is_noted, stated.is_some(), "{text}: {notes:?}");
     }
     let spectra = cgats("ILLUMINANT \"D50\"")

@@ -5,7 +5,7 @@ use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{UniformKind, UniformPixel};
 use papilio_formats::{PaletteTable, read_palette};
 use papilio_optics::saunderson::DiffuseFace;
-use papilio_spectra::{Grid, Spectrum, Tabulated, illuminant};
+use papilio_spectra::{Grid, Spectrum, Tabulated, illuminant, illuminant_name};
 
 use super::Resolver;
 use super::through::impossible;
@@ -74,7 +74,7 @@ impl Resolver<'_> {
             PaletteTable::Spectra(_) => None,
         };
         if let (Some(name), Some(stated)) = (&key.value, stated)
-            && name != stated
+            && illuminant_name(name) != Some(stated.as_str())
         {
             let wrong = Diagnostic::new(format!(
                 "{} states that its colours are those in {stated}",

@@ -343,6 +343,7 @@ fn palettes_have_the_illuminant_of_their_file() {
     let stated = red("inks.txt", "");
     assert_eq!(stated, red("inks.csv", "illuminant = \"D65\""));
     assert_eq!(stated, red("inks.txt", "illuminant = \"D65\""));
+    assert_eq!(stated, red("inks.txt", "illuminant = \"d65\""));
     assert_ne!(stated, red("inks.csv", ""));
     let error =
         resolve(&text("inks.txt", "illuminant = \"D50\""), folder.path(), &[]).unwrap_err().to_string();
