@@ -224,9 +224,10 @@ impl Rising {
     }
 }
 
-/// Returns the scattering matrix of a layer of k0 d = `depth`, in which waves grow by this exponent at most.
+/// Returns the scattering matrix of a layer of k0 d = `depth`, in which waves grow by this exponent at most, or of a part of it that is to be doubled
+/// as often as said.
 #[inline(always)]
-pub(super) fn layer<T: Element>(generator: &Generator<T>, depth: Real, growth: f64) -> Blocks {
+pub(super) fn layer<T: Element>(generator: &Generator<T>, depth: Real, growth: f64) -> (Blocks, usize) {
     let whole = generator.scaled(depth);
     let doublings = (whole.norm() / THIN).log2().ceil().max(0.0);
     // As scattering matrices where waves grow, as polynomials before.
@@ -256,9 +257,5 @@ pub(super) fn layer<T: Element>(generator: &Generator<T>, depth: Real, growth: f
     let t_up = Pair([[p_up[2], s_up[2]], [p_up[3], s_up[3]]]).inverse();
     let none = Pair::diagonal(zero, zero);
     let r = none - t_up * from_down;
-    let mut layer = Blocks { r, t: down + from_up * r, r_below: from_up * t_up, t_up };
-    for _ in 0..grown as usize {
-        layer = layer.over(&layer);
-    }
-    layer
+    (Blocks { r, t: down + from_up * r, r_below: from_up * t_up, t_up }, grown as usize)
 }

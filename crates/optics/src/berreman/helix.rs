@@ -5,7 +5,7 @@
 //! turns (by doubling) are therefore computed once for all azimuths that differ by multiples of this angle.
 
 use super::lanes::Blocks;
-use super::spectral::{Slice, joined};
+use super::spectral::Slice;
 
 /// Fewest slices of a helix.
 const FEWEST: usize = 4;
@@ -47,13 +47,13 @@ pub(super) fn repeated(slices: impl Iterator<Item = Blocks>, repeats: usize, res
     let first = if rest > 0 { first.or(once) } else { None };
     let all = once.and_then(|once| power(once, repeats));
     match (all, first) {
-        (Some(all), Some(first)) => joined(&all, &first),
+        (Some(all), Some(first)) => all.over(&first),
         (all, first) => all.or(first).unwrap_or_else(Blocks::nothing),
     }
 }
 
 fn over(above: Option<Blocks>, below: Blocks) -> Blocks {
-    above.map_or(below, |above| joined(&above, &below))
+    above.map_or(below, |above| above.over(&below))
 }
 
 /// Returns a part many times, by doubling.
@@ -65,7 +65,7 @@ fn power(mut once: Blocks, mut left: usize) -> Option<Blocks> {
         }
         left /= 2;
         if left > 0 {
-            once = joined(&once, &once);
+            once = once.over(&once);
         }
     }
     all
@@ -90,7 +90,7 @@ impl Turns {
             first.push(over(first.last().copied(), *slice));
         }
         for slice in slices.iter().rev() {
-            last.push(last.last().map_or(*slice, |below| joined(slice, below)));
+            last.push(last.last().map_or(*slice, |below| slice.over(below)));
         }
         last.reverse();
         Self { azimuth, first, last, powers: Vec::new() }

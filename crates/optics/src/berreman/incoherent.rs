@@ -4,6 +4,7 @@
 //! elimination without pivots stable: its leading elements are those of light whose coherence, or whose s, is lost, of which no more returns than was sent.
 
 use super::lanes::{Blocks, Complex, Pair, Real};
+use crate::with_widest_simd;
 
 /// Light by its coherency matrix, and what a meter makes of it.
 pub(super) type Light = [Real; 4];
@@ -13,9 +14,8 @@ pub(super) type Light = [Real; 4];
 pub(super) struct Action(pub(super) [[Real; 4]; 4]);
 
 impl Action {
-    /// Returns the action of amplitudes.
     #[inline(always)]
-    pub(super) fn of(jones: Pair) -> Self {
+    fn of(jones: Pair) -> Self {
         let [[a, b], [c, d]] = jones.0;
         let [ab, cd, ac, bd, ad, bc] =
             [times(a, b), times(c, d), times(a, c), times(b, d), times(a, d), times(b, c)];
@@ -28,20 +28,23 @@ impl Action {
         ])
     }
 
-    #[inline(always)]
     pub(super) fn times(&self, other: &Self) -> Self {
         let mut out = [[Real::splat(0.0); 4]; 4];
-        for (row, out) in self.0.iter().zip(&mut out) {
-            for (value, other) in row.iter().zip(&other.0) {
-                for k in 0..4 {
-                    out[k] = out[k] + *value * other[k];
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                for (row, out) in self.0.iter().zip(&mut out) {
+                    for (value, other) in row.iter().zip(&other.0) {
+                        for k in 0..4 {
+                            out[k] = out[k] + *value * other[k];
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
         Self(out)
     }
 
-    #[inline(always)]
     fn plus(mut self, other: &Self) -> Self {
         for (row, other) in self.0.iter_mut().zip(&other.0) {
             for k in 0..4 {
@@ -83,32 +86,37 @@ pub(super) struct Between {
 }
 
 impl Between {
-    #[inline(always)]
     pub(super) fn new(blocks: &Blocks) -> Self {
         let Blocks { r, t, r_below, t_up } = *blocks;
-        Self { r: Action::of(r), t: Action::of(t), r_below: Action::of(r_below), t_up: Action::of(t_up) }
+        let [r, t, r_below, t_up] = actions([r, t, r_below, t_up]);
+        Self { r, t, r_below, t_up }
     }
 
     /// Returns the reflection of these layers over what is below.
-    #[inline(always)]
     pub(super) fn over(&self, below: &Action) -> Action {
         let (mut trips, mut down) = (self.open(below), self.t);
-        eliminate(&mut trips, &mut down.0);
+        with_widest_simd(
+            #[inline(always)]
+            || eliminate(&mut trips, &mut down.0),
+        );
         self.r.plus(&self.t_up.times(&below.times(&down)))
     }
 
     /// Returns what a meter above sees of this light.
-    #[inline(always)]
     pub(super) fn seen(&self, below: &Action, light: Light, meter: Light) -> Real {
-        let (mut trips, down) = (self.open(below), self.t.on(light));
-        let mut down = down.map(|value| [value]);
-        eliminate(&mut trips, &mut down);
-        let up = self.t_up.on(below.on([down[0][0], down[1][0], down[2][0], down[3][0]]));
-        dot(meter, self.r.on(light)) + dot(meter, up)
+        let mut trips = self.open(below);
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                let mut down = self.t.on(light).map(|value| [value]);
+                eliminate(&mut trips, &mut down);
+                let up = self.t_up.on(below.on([down[0][0], down[1][0], down[2][0], down[3][0]]));
+                dot(meter, self.r.on(light)) + dot(meter, up)
+            },
+        )
     }
 
     /// Returns 1 less a round trip.
-    #[inline(always)]
     fn open(&self, below: &Action) -> [[Real; 4]; 4] {
         let mut trips = self.r_below.times(below).0;
         for (row, values) in trips.iter_mut().enumerate() {
@@ -118,6 +126,20 @@ impl Between {
         }
         trips
     }
+}
+
+/// Returns the actions of amplitudes.
+pub(super) fn actions<const N: usize>(jones: [Pair; N]) -> [Action; N] {
+    let mut out = [Action([[Real::splat(0.0); 4]; 4]); N];
+    with_widest_simd(
+        #[inline(always)]
+        || {
+            for k in 0..N {
+                out[k] = Action::of(jones[k]);
+            }
+        },
+    );
+    out
 }
 
 /// Replaces the columns `x` by those of `matrix^-1 x`.

@@ -1,8 +1,11 @@
 //! Several wavelengths at once: arrays of numbers with the usual operators, which the compiler turns into SIMD.
 //!
-//! What is used within [`with_widest_simd`](crate::with_widest_simd) is `inline(always)`.
+//! What is used within [`with_widest_simd`] is `inline(always)`: it is compiled for each instruction set at each place. What is large has an own
+//! such block.
 
 use std::ops::{Add, Mul, Neg, Sub};
+
+use crate::with_widest_simd;
 
 /// Number of wavelengths that are computed together.
 pub(super) const LANES: usize = 8;
@@ -319,17 +322,21 @@ impl Blocks {
     }
 
     /// Returns both parts together, `below` being below this one.
-    #[inline(always)]
     pub(super) fn over(&self, below: &Self) -> Self {
-        let between = (Pair::one() - self.r_below * below.r).inverse();
-        let down = between * self.t;
-        let up = (Pair::one() - below.r * self.r_below).inverse() * below.t_up;
-        Self {
-            r: self.r + self.t_up * (below.r * down),
-            t: below.t * down,
-            r_below: below.r_below + below.t * (self.r_below * up),
-            t_up: self.t_up * up,
-        }
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                let between = (Pair::one() - self.r_below * below.r).inverse();
+                let down = between * self.t;
+                let up = (Pair::one() - below.r * self.r_below).inverse() * below.t_up;
+                Self {
+                    r: self.r + self.t_up * (below.r * down),
+                    t: below.t * down,
+                    r_below: below.r_below + below.t * (self.r_below * up),
+                    t_up: self.t_up * up,
+                }
+            },
+        )
     }
 
     /// Returns the reflection of this part over one that reflects.

@@ -22,7 +22,7 @@ use num_complex::Complex64;
 
 use super::generator::{Rising, layer};
 use super::helix::{self, Turns};
-use super::incoherent::{Action, Between, Light, dot};
+use super::incoherent::{Action, Between, Light, actions, dot};
 use super::lanes::{Blocks, Complex, Element, LANES, Pair, Real};
 use crate::film::{checked_incidence, checked_index, checked_thickness, checked_wavelength};
 use crate::{OpticsError, with_widest_simd};
@@ -324,11 +324,9 @@ struct Seen {
 
 impl Asked for Seen {
     type Found = Real;
-    #[inline(always)]
     fn of(&self, reflection: &Action) -> Real {
         dot(self.meter, reflection.on(self.light))
     }
-    #[inline(always)]
     fn of_layers(&self, above: &Between, below: &Action) -> Real {
         above.seen(below, self.light, self.meter)
     }
@@ -339,11 +337,9 @@ struct Whole;
 
 impl Asked for Whole {
     type Found = Action;
-    #[inline(always)]
     fn of(&self, reflection: &Action) -> Action {
         *reflection
     }
-    #[inline(always)]
     fn of_layers(&self, above: &Between, below: &Action) -> Action {
         above.over(below)
     }
@@ -423,10 +419,7 @@ impl<'a> Group<'a> {
             amplitudes = self.raised(number, (material, &mut kept[number]), azimuth, &amplitudes);
         }
         match slabs.is_empty() {
-            true => with_widest_simd(
-                #[inline(always)]
-                || amplitudes.iter().map(|r| asked.of(&Action::of(in_front(self.front, *r)))).collect(),
-            ),
+            true => amplitudes.iter().map(|r| asked.of(&actions([in_front(self.front, *r)])[0])).collect(),
             false => self.through_slabs((materials, kept), azimuth, &amplitudes, asked),
         }
     }
@@ -459,32 +452,19 @@ impl<'a> Group<'a> {
             }
             let all = self.between(slab, next, (materials, kept), azimuth);
             let Crossing { down, up } = crossing;
-            let (mut inside, mut over, mut seen) = (Vec::new(), Vec::new(), Vec::new());
-            with_widest_simd(
-                #[inline(always)]
-                || {
-                    if below.is_empty() {
-                        for r in &amplitudes {
-                            inside.push(Action::of(up * (*r * down)));
-                        }
-                    } else {
-                        let (down, up) = (Action::of(down), Action::of(up));
-                        for r in &below {
-                            inside.push(up.times(&r.times(&down)));
-                        }
-                    }
-                    for (below, own) in &slab.combinations {
-                        match next {
-                            Some(_) => over.push(all[*own].over(&inside[*below])),
-                            None => seen.push(asked.of_layers(&all[*own], &inside[*below])),
-                        }
-                    }
-                },
-            );
-            below = over;
+            let inside: Vec<Action> = if below.is_empty() {
+                amplitudes.iter().map(|r| actions([up * (*r * down)])[0]).collect()
+            } else {
+                let [down, up] = actions([down, up]);
+                below.iter().map(|r| up.times(&r.times(&down))).collect()
+            };
+            let combinations = slab.combinations.iter();
             if next.is_none() {
-                return seen;
+                return combinations
+                    .map(|(below, own)| asked.of_layers(&all[*own], &inside[*below]))
+                    .collect();
             }
+            below = combinations.map(|(below, own)| all[*own].over(&inside[*below])).collect();
         }
         Vec::new()
     }
@@ -512,13 +492,10 @@ impl<'a> Group<'a> {
             let mut all = top;
             for ((list, blocks), number) in choice.iter().zip(&parts).zip(slab.above.clone()) {
                 if !self.stack.lists[number][*list].is_nothing {
-                    all = joined(&all, &blocks[*list]);
+                    all = all.over(&blocks[*list]);
                 }
             }
-            with_widest_simd(
-                #[inline(always)]
-                || Between::new(&all.over(&bottom)),
-            )
+            Between::new(&all.over(&bottom))
         };
         slab.choices.iter().map(of_choice).collect()
     }
@@ -595,13 +572,17 @@ impl<'a> Group<'a> {
     /// Returns the scattering matrix of a slice.
     fn layer(&self, material: &Material, slice: &Slice, azimuth: f64, more: Real) -> Blocks {
         let (depth, growth) = self.depth(material, slice);
-        with_widest_simd(
+        let (mut whole, doublings) = with_widest_simd(
             #[inline(always)]
             || match material.absorbs {
                 true => layer(&material.complex(self, slice, azimuth), depth + more, growth),
                 false => layer(&material.real(self, slice, azimuth), depth + more, growth),
             },
-        )
+        );
+        for _ in 0..doublings {
+            whole = whole.over(&whole);
+        }
+        whole
     }
 
     /// Adds the scattering matrices of a part, one for each list of slices. Those of equal lists are computed once.
@@ -658,8 +639,8 @@ impl<'a> Group<'a> {
             let thinner = self.layer(material, slice, azimuth, eighth * Real::splat(-1.0));
             let quarter =
                 self.layer(material, &Slice { thickness_nm: 0.0, ..*slice }, azimuth, eighth + eighth);
-            for (sign, layer) in [(1.0, joined(&thinner, &quarter)), (-1.0, thinner)] {
-                let inside = joined(&joined(&from_medium(faces), &layer), &into_medium(faces));
+            for (sign, layer) in [(1.0, thinner.over(&quarter)), (-1.0, thinner)] {
+                let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
                 let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
                 let phase = Pair::diagonal(phase, phase);
                 (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
@@ -667,14 +648,6 @@ impl<'a> Group<'a> {
         }
         Crossing { down, up }
     }
-}
-
-/// Returns two scattering matrices as one.
-pub(super) fn joined(above: &Blocks, below: &Blocks) -> Blocks {
-    with_widest_simd(
-        #[inline(always)]
-        || above.over(below),
-    )
 }
 
 /// Returns the values from number `first` on; the last one is repeated.

@@ -1,6 +1,7 @@
 //! Faces between the reference medium and others, as scattering matrices and reflections of p and s.
 
 use super::super::lanes::{Blocks, Complex, Element as _, Pair, Real};
+use crate::with_widest_simd;
 
 /// Reflectance of a face between thick layers that does not matter.
 const NO_FACE: f64 = 1e-6;
@@ -71,17 +72,23 @@ pub(super) fn out_of_medium([p, s]: [Complex; 2], r: Pair) -> Pair {
 }
 
 /// Returns the reflection as waves of unit power see it from a medium of these relative admittances.
-#[inline(always)]
 pub(super) fn in_front(front: [Real; 2], r: Pair) -> Pair {
-    // Waves down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse; p up is the opposite of that difference.
-    let [[pp, ps], [sp, ss]] = r.0;
-    let one = Complex::splat(1.0);
-    let (p, s) = (front[0].root(), front[1].root());
-    let (over_p, over_s) = (p.inverse(), s.inverse());
-    let e = [[(one - pp).scaled(p), (-ps).scaled(p)], [sp.scaled(s), (one + ss).scaled(s)]];
-    let h =
-        [[(one + pp).scaled(over_p), ps.scaled(over_p)], [(-sp).scaled(over_s), (one - ss).scaled(over_s)]];
-    let ([e_p, e_s], [h_p, h_s]) = (e, h);
-    let up = Pair([[h_p[0] - e_p[0], h_p[1] - e_p[1]], [e_s[0] - h_s[0], e_s[1] - h_s[1]]]);
-    up * (Pair(e) + Pair(h)).inverse()
+    with_widest_simd(
+        #[inline(always)]
+        || {
+            // Waves down and up: (E root(y) +- H/root(y))/2, with E = (1 - r) or (1 + r) and H the reverse; p up is the opposite of that difference.
+            let [[pp, ps], [sp, ss]] = r.0;
+            let one = Complex::splat(1.0);
+            let (p, s) = (front[0].root(), front[1].root());
+            let (over_p, over_s) = (p.inverse(), s.inverse());
+            let e = [[(one - pp).scaled(p), (-ps).scaled(p)], [sp.scaled(s), (one + ss).scaled(s)]];
+            let h = [
+                [(one + pp).scaled(over_p), ps.scaled(over_p)],
+                [(-sp).scaled(over_s), (one - ss).scaled(over_s)],
+            ];
+            let ([e_p, e_s], [h_p, h_s]) = (e, h);
+            let up = Pair([[h_p[0] - e_p[0], h_p[1] - e_p[1]], [e_s[0] - h_s[0], e_s[1] - h_s[1]]]);
+            up * (Pair(e) + Pair(h)).inverse()
+        },
+    )
 }
