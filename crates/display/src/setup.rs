@@ -212,13 +212,16 @@ impl Setup {
         setup.checked()
     }
 
-    /// Refuses layers that change the azimuth of light above a pixel that depends on it: the pixel may be older than the layers.
+    /// Refuses a colour filter above a pixel that depends on azimuth: the pixel may be older than the filter.
     fn checked(self) -> Result<Self, DisplayError> {
-        let is_bare = self.scene.display.is_bare() && self.scene.display.filter().is_none();
         if polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
             return Err(DisplayError::CrystalFringes);
         }
-        if is_bare || !self.stack.base().is_azimuthal() { Ok(self) } else { Err(pixel::AZIMUTH_BELOW_LAYERS) }
+        let is_filtered = self.scene.display.filter().is_some();
+        if is_filtered && self.stack.base().is_azimuthal() {
+            return Err(pixel::AZIMUTH_BELOW_FILTER);
+        }
+        Ok(self)
     }
 
     /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers above paper alone.
@@ -271,7 +274,14 @@ impl Setup {
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         let cosines = towards.cosines(scene);
-        if index_changed || scene.display.pixel != last.display.pixel || cosines != self.cosines {
+        // Below a bare face, the pixel is known in fewer directions.
+        let is_crystal = matches!(scene.display.pixel, scene::Pixel::Crystal(_));
+        let directions_changed = is_crystal && scene.display.is_bare() != last.display.is_bare();
+        if index_changed
+            || directions_changed
+            || scene.display.pixel != last.display.pixel
+            || cosines != self.cosines
+        {
             let of_light = (apart, cosines.as_deref());
             let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), of_light, control)?;
             self.cosines = cosines;

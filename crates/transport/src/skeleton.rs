@@ -15,7 +15,7 @@
 //! are reciprocal: the light going down at a plane, per unit that enters from the air, is also the fraction
 //! of light emitted upwards there that leaves.
 
-use papilio_optics::with_widest_simd;
+use papilio_optics::{Beta, with_widest_simd};
 
 use crate::front::Flat;
 use crate::layers::LayerKind;
@@ -160,8 +160,9 @@ impl Skeleton {
         &self.parts[element * self.bands..][..self.bands]
     }
 
-    /// Prepares it for light with this `|beta|^2`.
-    pub(crate) fn set(&mut self, stack: &Stack, base: &Base, beta_squared: f64) {
+    /// Prepares it for light with these direction cosines; their azimuth counts only for the base.
+    pub(crate) fn set(&mut self, stack: &Stack, base: &Base, beta: Beta) {
+        let beta_squared = beta.squared();
         self.length = beta_squared.sqrt();
         let mut upper = &self.air;
         for (layer, parts) in stack.layers.iter().zip(self.parts.chunks_exact_mut(2 * self.bands)) {
@@ -171,7 +172,7 @@ impl Skeleton {
             upper = &layer.medium;
         }
         match &base.reflector {
-            Reflector::Specular(_) => stack.reflectance_of(base, beta_squared, upper, &mut self.base),
+            Reflector::Specular(_) => stack.reflectance_of(base, beta, upper, &mut self.base),
             Reflector::Lambertian(_) | Reflector::Scattering(_) => {}
         }
         self.combine();

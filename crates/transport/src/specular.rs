@@ -80,7 +80,7 @@ fn across(stack: &Stack, view: &Cone) -> f64 {
 /// [`specular_image`] of general layers: the reflection of their specular skeleton.
 pub(crate) fn layered_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
     let mut skeleton = Skeleton::new(stack, stack.base());
-    skeleton.set(stack, stack.base(), beta.squared());
+    skeleton.set(stack, stack.base(), beta);
     let mut field = skeleton.field();
     skeleton.emit(Ray::ENTERING, &mut field);
     let (front, risen) = field.at(Ray::LEAVING);

@@ -10,10 +10,12 @@
 //! solvers return the mean of both, or what a polariser before the viewer makes of them.
 //!
 //! Both solvers have methods of their own for the ordinary panel ([`Panel`]). [`Stack::new`] recognises it
-//! among any layers, here and nowhere else.
+//! among any layers, here and nowhere else. A diffuser over a mirror that depends on azimuth is no panel: its methods
+//! rely on the same light at all azimuths.
 
 use std::sync::Arc;
 
+use papilio_optics::Beta;
 use papilio_spectra::Spectrum;
 
 use crate::layers::{LayerKind, least_edge};
@@ -168,10 +170,10 @@ impl Stack {
 
     /// Computes the reflectance of the base, `[state][wavelength]`: below a run that keeps s and p apart together with
     /// it, that for mean light.
-    pub(crate) fn reflectance_of(&self, base: &Base, beta_squared: f64, medium: &Medium, out: &mut [f64]) {
+    pub(crate) fn reflectance_of(&self, base: &Base, beta: Beta, medium: &Medium, out: &mut [f64]) {
         match &self.mirror_run {
-            Some(run) => run.reflectance(beta_squared, out),
-            None => base.reflectance(beta_squared, medium, out),
+            Some(run) => run.reflectance(beta.squared(), out),
+            None => base.reflectance_towards(beta, medium, out),
         }
     }
 
@@ -227,7 +229,8 @@ impl Stack {
             (Some(interface), medium.index(), is_clear)
         });
         let scatters = matches!(base.reflector, Reflector::Scattering(_));
-        let parts = PanelParts::recognised(described).filter(|_| !scatters);
+        let parts = PanelParts::recognised(described)
+            .filter(|parts| !scatters && (parts.diffuser().is_none() || !base.is_azimuthal()));
         let form = match (parts, layers.last()) {
             (Some(parts), Some(glass)) => {
                 Form::Panel(Panel::new(&parts, (&layers, glass), base, approximation))
@@ -293,7 +296,12 @@ impl Stack {
         if let Some(in_runs) = &mut self.in_runs {
             in_runs.set_base(base.clone());
         }
-        *self.base_mut() = base;
+        match &self.form {
+            Form::Panel(Panel { top: Top::Diffuser(_), .. }) if base.is_azimuthal() => {
+                self.form = Form::General(base);
+            }
+            _ => *self.base_mut() = base,
+        }
     }
 
     /// Replaces the reflection of the pixel in the same way.
@@ -317,7 +325,7 @@ impl Stack {
     /// The same layers over another pixel, for unpolarised light; whether it scatters must not change.
     pub fn with_base(&self, base: Base) -> Self {
         let mut other = Self::of(self.layers.clone(), self.form.clone());
-        *other.base_mut() = base;
+        other.set_base(base);
         other
     }
 

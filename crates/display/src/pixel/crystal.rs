@@ -32,14 +32,14 @@ const MOST_AZIMUTHS: usize = 64;
 /// Part of the progress of a computation in which the table is made.
 const PART: [f64; 2] = [0.0, 0.8];
 
-/// Sine of the inclination in air at which they are.
+/// Sine of the inclination at which they are: in air below a flat face, else in the glass.
 const STEEP: f64 = 0.97;
 
-/// Error: layers above the pixel change the azimuth of light.
-pub(crate) const AZIMUTH_BELOW_LAYERS: DisplayError = DisplayError::Azimuth {
-    what: "a display with other layers than flat faces and components above it",
-    key: "display.pixel",
-    hint: "remove the diffuser, layers and filter",
+/// Error: a colour filter above the pixel.
+pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
+    what: "a display with a colour filter above it",
+    key: "display.matrix.filter",
+    hint: "remove the filter",
 };
 
 /// A pixel on the wavelengths of a scene.
@@ -212,9 +212,9 @@ impl Crystal {
     }
 
     /// Returns the number of harmonics that suffice, an odd number.
-    fn count(&self) -> Result<usize, OpticsError> {
+    fn count(&self, in_air: bool) -> Result<usize, OpticsError> {
         let most = MOST_AZIMUTHS - 1;
-        let all = self.harmonics(STEEP, true, most, MOST_AZIMUTHS)?;
+        let all = self.harmonics(STEEP, in_air, most, MOST_AZIMUTHS)?;
         let bins = self.index.len();
         let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > HARMONIC_ERROR);
         let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
@@ -248,6 +248,8 @@ fn weight(harmonic: usize, odd: bool, k: usize, azimuths: usize) -> f64 {
 pub(super) struct Seen<'a> {
     /// Below flat layers in air, light has directions that exist in air: others are left at 0, unless it is unrefracted.
     pub(super) is_bare: bool,
+    /// Below a colour filter.
+    pub(super) is_filtered: bool,
     pub(super) unrefracted: bool,
     /// Whether the polarisation of light is followed, and whether anything but the pixel and the face is polarised.
     pub(super) polarised: bool,
@@ -259,7 +261,7 @@ pub(super) struct Seen<'a> {
 /// Computes a liquid-crystal pixel as the base of a stack, and for polarised light, if it is followed.
 ///
 /// # Errors
-/// If the pixel depends on azimuth below layers that change the azimuth of light; if the computation was stopped.
+/// If the pixel depends on azimuth below a colour filter; if the computation was stopped.
 pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
@@ -270,9 +272,9 @@ pub(super) fn base(
     let mut crystal = Crystal::new(pixel, grid, index)?;
     crystal.polarised = seen.polarised;
     crystal.of_phases = if seen.phases { 1.0 } else { UNSEEN_PHASES };
-    let count = crystal.count()?;
-    if count > 1 && !seen.is_bare {
-        return Err(AZIMUTH_BELOW_LAYERS);
+    let count = crystal.count(seen.is_bare && !seen.unrefracted)?;
+    if count > 1 && seen.is_filtered {
+        return Err(AZIMUTH_BELOW_FILTER);
     }
     let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
     let (bins, states, elements) = (grid.len(), pixel.states.len(), crystal.elements());

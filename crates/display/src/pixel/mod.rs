@@ -15,7 +15,7 @@ use std::sync::Arc;
 use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
-pub(crate) use crystal::AZIMUTH_BELOW_LAYERS;
+pub(crate) use crystal::AZIMUTH_BELOW_FILTER;
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
@@ -161,8 +161,10 @@ pub(crate) fn base(
         Pixel::Crystal(pixel) => {
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
-            let is_bare = scene.display.is_bare() && scene.display.filter().is_none();
-            let seen = crystal::Seen { is_bare, unrefracted, polarised: false, phases: false, cosines };
+            let is_filtered = scene.display.filter().is_some();
+            let is_bare = scene.display.is_bare() && !is_filtered;
+            let seen =
+                crystal::Seen { is_bare, is_filtered, unrefracted, polarised: false, phases: false, cosines };
             Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
         }
     }
@@ -194,7 +196,14 @@ pub(crate) fn bases(
         }
         Pixel::Crystal(pixel) if polarisation::is_whole(scene) => {
             let phases = polarisation::needs_whole(scene);
-            let seen = crystal::Seen { is_bare: true, unrefracted: false, polarised: true, phases, cosines };
+            let seen = crystal::Seen {
+                is_bare: true,
+                is_filtered: false,
+                unrefracted: false,
+                polarised: true,
+                phases,
+                cosines,
+            };
             let index = scene.display.index_above_pixel();
             if cosines.is_some() && has_few_directions(scene) {
                 let (mean, mueller) = crystal::exact(pixel, &scene.grid, index)?;

@@ -89,14 +89,18 @@ pub fn expected_seconds(scene: &Scene, control: &Control<'_>) -> Result<(Method,
             match adding(&setup, *target) {
                 Ok(seconds) => Ok((Method::Adding, seconds)),
                 // The run says so itself, or is by Monte Carlo.
-                Err(DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) => {
-                    Ok(by_paths(FIRST_PATHS))
-                }
+                Err(error) if is_for_monte_carlo(&error) => Ok(by_paths(FIRST_PATHS)),
                 Err(other) => Err(other),
             }
         }
         _ => Ok(by_paths(FIRST_PATHS)),
     }
+}
+
+/// Returns whether an error of adding is none of Monte Carlo.
+fn is_for_monte_carlo(error: &DisplayError) -> bool {
+    use DisplayError::{Azimuth, TooNarrow, TooNarrowInField};
+    matches!(error, Azimuth { .. } | TooNarrow { .. } | TooNarrowInField { .. })
 }
 
 /// Returns whether adding takes so little work that its exact answer needs no first answer.
@@ -127,7 +131,7 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
     };
     let adding_s = match adding(run.setup, target) {
         Ok(seconds) => Some(seconds),
-        Err(DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) => None,
+        Err(error) if is_for_monte_carlo(&error) => None,
         Err(error) => return Err(error),
     };
     if is_too_thick(scene) {

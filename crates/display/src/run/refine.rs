@@ -26,9 +26,17 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 /// Returns the finest level that can be computed for the layers of a display.
 ///
 /// # Errors
-/// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light.
+/// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light; if general layers are above a pixel that
+/// depends on azimuth.
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
+    if stack.panel().is_none() && stack.base().is_azimuthal() {
+        return Err(DisplayError::Azimuth {
+            what: "adding below a scatterer or several layers",
+            key: "solver.method",
+            hint: "\"monte-carlo\" does, by `papilio run` and `sweep`",
+        });
+    }
     if let Some(width) = width_of_panel(stack)
         && width < NARROWEST_IN_FIELDS
         && setup.sources.iter().any(is_turned)

@@ -235,7 +235,7 @@ impl Lower {
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            skeleton.set(stack, base, point.beta.squared());
+            skeleton.set(stack, base, point.beta);
             skeleton.emit(Ray::from_element(0, Propagation::Down), &mut field);
             let (before, risen) = field.at(Ray::arriving_at(0, Propagation::Up));
             let one =

@@ -149,7 +149,7 @@ impl<'a> Plain<'a> {
         let medium = self.stack.layers.last().map_or(&self.air, |layer| &layer.medium);
         let n = medium.index()[self.bin];
         let mut reflectance = vec![0.0; base.states() * base.bins()];
-        base.reflectance(path.beta.squared(), medium, &mut reflectance);
+        base.reflectance_towards(path.beta, medium, &mut reflectance);
         let reflectance = reflectance[self.state * base.bins() + self.bin];
         let times = |beta: Beta, by: f64| Beta { x: beta.x * by, y: beta.y * by };
         let up = |beta: Beta| Departure { beta: times(beta, n), going: Up };

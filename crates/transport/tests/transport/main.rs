@@ -10,6 +10,7 @@
 mod adding_layered;
 mod adding_layered_laws;
 mod adding_panel;
+mod azimuth;
 mod closed_forms;
 mod common;
 mod double_pass;

@@ -1,5 +1,7 @@
 //! The base by state and wavelength, as seen from the layers above its medium.
 
+use papilio_optics::Beta;
+
 use super::matrix::Matrix;
 use super::prepare::Group;
 use crate::front::Flat;
@@ -88,7 +90,7 @@ fn specular(stack: &Stack, group: &Group) -> Matrix {
     for (beta, (_, column)) in
         group.beta.iter().zip(all.columns_mut()).filter(|(beta, _)| **beta < group.index)
     {
-        stack.reflectance_of(stack.base(), beta * beta, medium, column);
+        stack.reflectance_of(stack.base(), Beta { x: *beta, y: 0.0 }, medium, column);
     }
     all
 }

@@ -347,7 +347,7 @@ impl<'a> Layered<'a> {
 
     /// Adds all that happens to a branch's light without scattering.
     fn leave(&self, sent: OutgoingRay, light: &Light, sums: &mut Sums, workspace: &mut Workspace) {
-        workspace.skeleton.set(self.stack, self.base(), sent.beta.squared());
+        workspace.skeleton.set(self.stack, self.base(), sent.beta);
         workspace.skeleton.emit(sent.ray, &mut workspace.field);
         self.record(light, sums, workspace);
         let Workspace { field, share, .. } = workspace;

@@ -124,7 +124,7 @@ impl SourceLights {
     fn aim(&mut self, of: usize, target: Target, walk: &Layered<'_>, skeleton: &mut Skeleton) {
         let lamp = &mut self.sources[of];
         (lamp.target, lamp.beta) = (target, target.beta);
-        skeleton.set(walk.stack, walk.base(), target.beta.squared());
+        skeleton.set(walk.stack, walk.base(), target.beta);
         skeleton.emit(Ray::ENTERING, &mut lamp.field);
         let media = walk.events.iter().filter(|event| event.going == Propagation::Down);
         let media =
@@ -261,7 +261,7 @@ impl Relay {
         if lamp.before.is_dark() {
             return;
         }
-        skeleton.set(walk.stack, walk.base(), sent.beta.squared());
+        skeleton.set(walk.stack, walk.base(), sent.beta);
         skeleton.emit(sent.ray, &mut lamp.field);
         lamp.before.multiply_rows(&mut lamp.field.rising);
         (lamp.target, lamp.beta, lamp.drawn) = (source.target, sent.beta, Some([sent.density, sent.back]));
