@@ -25,6 +25,10 @@ const HARMONIC_ERROR: f64 = 5e-5;
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
 const TABLE_ERROR: f64 = 1e-4;
 
+/// The same where light is trapped by total reflection: only scatterers with wide lobes send light there, and towards grazing directions the waves that
+/// the layers guide make narrow peaks.
+const TRAPPED_ERROR: f64 = 5e-3;
+
 /// Least and largest number of azimuths over half a turn, powers of two.
 const FEWEST_AZIMUTHS: usize = 8;
 const MOST_AZIMUTHS: usize = 64;
@@ -32,8 +36,9 @@ const MOST_AZIMUTHS: usize = 64;
 /// Part of the progress of a computation in which the table is made.
 const PART: [f64; 2] = [0.0, 0.8];
 
-/// Sine of the inclination at which they are: in air below a flat face, else in the glass.
+/// Sine of the inclination in air at which they are; below scatterers, also one in glass, with a coarser limit.
 const STEEP: f64 = 0.97;
+const STEEP_IN_GLASS: f64 = 0.9;
 
 /// Error: a colour filter above the pixel.
 pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
@@ -212,11 +217,16 @@ impl Crystal {
     }
 
     /// Returns the number of harmonics that suffice, an odd number.
-    fn count(&self, in_air: bool) -> Result<usize, OpticsError> {
+    fn count(&self, in_glass: bool) -> Result<usize, OpticsError> {
+        let in_air = self.count_at(STEEP, true, HARMONIC_ERROR)?;
+        Ok(if in_glass { in_air.max(self.count_at(STEEP_IN_GLASS, false, TRAPPED_ERROR)?) } else { in_air })
+    }
+
+    fn count_at(&self, sine: f64, in_air: bool, error: f64) -> Result<usize, OpticsError> {
         let most = MOST_AZIMUTHS - 1;
-        let all = self.harmonics(STEEP, in_air, most, MOST_AZIMUTHS)?;
+        let all = self.harmonics(sine, in_air, most, MOST_AZIMUTHS)?;
         let bins = self.index.len();
-        let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > HARMONIC_ERROR);
+        let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > error);
         let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
         let order = |at: usize| match self.is_odd(at / most) {
             true => at % most / 2 + 1,
@@ -272,16 +282,18 @@ pub(super) fn base(
     let mut crystal = Crystal::new(pixel, grid, index)?;
     crystal.polarised = seen.polarised;
     crystal.of_phases = if seen.phases { 1.0 } else { UNSEEN_PHASES };
-    let count = crystal.count(seen.is_bare && !seen.unrefracted)?;
+    let count = crystal.count(!seen.is_bare)?;
     if count > 1 && seen.is_filtered {
         return Err(AZIMUTH_BELOW_FILTER);
     }
     let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
     let (bins, states, elements) = (grid.len(), pixel.states.len(), crystal.elements());
-    let lowest = match seen.unrefracted || !seen.is_bare {
+    let trapped = match seen.unrefracted {
         true => 0.0,
         false => (1.0 - index.min().powi(-2)).max(0.0).sqrt(),
     };
+    let lowest = if seen.is_bare { trapped } else { 0.0 };
+    let error = |end: f64| if end <= trapped { TRAPPED_ERROR } else { TABLE_ERROR };
     let is_needed = |[from, to]: [f64; 2]| {
         let is_seen = |[low, high]: &[f64; 2]| *high >= from && *low <= to;
         to >= lowest && seen.cosines.is_none_or(|all| all.iter().any(is_seen))
@@ -305,7 +317,7 @@ pub(super) fn base(
         Ok(rows)
     };
     // A sample as good as the whole would take as long: the whole decides.
-    let panels = table::panels_within(TABLE_ERROR, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
+    let panels = table::panels_within(error, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
     let (panels, mut values) = panels.ok_or(DisplayError::CrystalFringes)?;
     if seen.polarised && !seen.phases {
         let of_element = count * bins;

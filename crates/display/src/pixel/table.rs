@@ -44,18 +44,19 @@ pub(super) fn panels<E>(
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
-    panels_within(TABLE_ERROR, known, sample, whole)
+    panels_within(|_| TABLE_ERROR, known, sample, whole)
 }
 
-/// Returns the same within another error than [`TABLE_ERROR`].
+/// Returns the same within another error than [`TABLE_ERROR`], given the upper end of a panel.
 pub(super) fn panels_within<E>(
-    error: f64,
+    error: impl Fn(f64) -> f64,
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
     let last = last_polynomials();
     let suffice = |panel: &Panel, values: &[f64]| {
+        let error = error(panel.start() + panel.width());
         estimated_error(values, &last) < panel.tolerance() * (error / TABLE_ERROR)
     };
     let mut done: Vec<Panel> = Vec::new();

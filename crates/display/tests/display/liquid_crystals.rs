@@ -1,12 +1,16 @@
 //! Liquid-crystal pixels from the scenario to the result, in all azimuths.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::pixel::scan_at;
+use papilio_display::result::RunResult;
 use papilio_display::scene::Scene;
 use papilio_display::{BrdfGrid, Control, DisplayError};
+use papilio_optics::lobe::Lobe;
 use papilio_scenario::Scenario;
+use papilio_testing::sized;
 
 use crate::common::{prepared_for, run, scenario, walked};
 
@@ -127,24 +131,91 @@ fn cholesteric_paper_reflects_the_bands_of_its_helices() {
     }
 }
 
-/// Where light changes its azimuth above the pixel, or the computation does not know azimuths, it is refused and not averaged.
+const HAZE_FILM: &str = "display.diffuser={ model = \"k-correlation\", width = 0.06, transmittance = 0.9 }";
+
+/// A haze film spreads unpolarised light over directions of the pixel, on its way in and out: an integral over them, without table, harmonics and
+/// paths, trapped light included. The lobe's fraction within r is `1 - (1 + (r/b)^2)^(-1/2)`.
+#[test]
+fn haze_film_above_a_cell_is_an_integral_over_directions() {
+    let views = ["viewer.theta_deg=[0,40]", "viewer.phi_deg=[20]", "display.glass={ index = 1.5 }"];
+    let hazy = twisted(&[&views[..], &[HAZE_FILM, "solver.relative_error=0.002"]].concat());
+    let alone = twisted(&[&views[..], &["solver.angle_medium=glass"]].concat());
+    let found = spectra(&hazy);
+    let (steps, lobe) = (sized(16, 32), Lobe::KCorrelation { width: 0.06 });
+    for ((theta_deg, phi_deg), found) in hazy.viewer.directions().zip(&found) {
+        let (length, phi) = (theta_deg.to_radians().sin(), phi_deg.to_radians());
+        let mut sums = vec![vec![0.0; found[0].len()]; found.len()];
+        for k in 0..steps * steps {
+            let [u, v] = [k / steps, k % steps].map(|k| (k as f64 + 0.5) / steps as f64);
+            let (sin, cos) = (TAU * v).sin_cos();
+            let r = 0.06 * ((1.0 - u).powi(-2) - 1.0).sqrt();
+            let (x, y) = (length * phi.cos() + r * cos, length * phi.sin() + r * sin);
+            let sine = x.hypot(y) / 1.5;
+            if sine >= 1.0 {
+                continue;
+            }
+            let leaves = 0.81 * lobe.fraction_in_disc(x.hypot(y), 1.0) / (steps * steps) as f64;
+            let scan = scan_at(&alone, &[sine.asin().to_degrees()], y.atan2(x).to_degrees()).unwrap();
+            for (sum, (_, pixel)) in sums.iter_mut().zip(&scan.states) {
+                sum.iter_mut().zip(pixel).for_each(|(sum, r)| *sum += leaves * r);
+            }
+        }
+        for (found, expected) in found.iter().flatten().zip(sums.iter().flatten()) {
+            assert!((found - expected).abs() < 0.01 * expected + 1e-3, "{theta_deg}: {found} {expected}");
+        }
+    }
+    // Along the diagonal, seen from another azimuth, it is another display.
+    let other = spectra(&twisted(&[&views[..], &[HAZE_FILM, "viewer.phi_deg=[110]"]].concat()));
+    assert!((other[1][0][1] / found[1][0][1] - 1.0).abs() > 0.03, "{other:?} {found:?}");
+}
+
+/// Adding, which does not know azimuths below scatterers, is refused where it is requested, and otherwise Monte Carlo is chosen.
+#[test]
+fn solver_below_a_haze_film_is_monte_carlo() {
+    let film = [HAZE_FILM, "display.glass={ index = 1.5 }", "solver.relative_error=0.05", "viewer.theta_deg=0"];
+    let by = run(&twisted(&film)).unwrap();
+    assert_eq!(by.solver.method, "monte-carlo");
+    let adding = run(&twisted(&[&film[..], &["solver.method=adding"]].concat()));
+    assert!(matches!(adding, Err(DisplayError::Azimuth { key: "solver.method", .. })), "{adding:?}");
+}
+
+/// A prepared display takes a new table of the pixel when a film is laid on it and removed again.
+#[test]
+fn films_are_laid_on_and_removed() {
+    let grid = ["viewer.theta_deg=[30]", "viewer.phi_deg=[70]", "solver.relative_error=0.02"];
+    let unpolarised = ["solver.approximation=unpolarised"];
+    for more in [&[][..], &unpolarised] {
+        let bare = twisted(&[&grid[..], &["display.glass.surface=ideal-ar"], more].concat());
+        let hazy = twisted(&[&grid[..], &["display.glass={ index = 1.5 }", HAZE_FILM], more].concat());
+        let mut prepared = prepared_for(&bare).unwrap();
+        let (stop, text) = (AtomicBool::new(false), |result: RunResult| format!("{:?}", result.views));
+        let control = Control { threads: None, progress: &|_| {}, stop: &stop };
+        for scene in [&hazy, &bare, &hazy] {
+            let found = text(prepared.run(scene, &control).unwrap());
+            assert_eq!(found, text(run(scene).unwrap()));
+        }
+    }
+}
+
+/// Where the computation does not know azimuths, it is refused and not averaged.
 #[test]
 fn computations_without_azimuth_are_refused() {
     let diffuser = "display.diffuser={ model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }";
-    let diffused = scenario("mip-lcd", &[TWISTED, diffuser, "display.glass={ index = 1.5 }"]);
-    assert!(diffused.unwrap_err().to_string().contains("depends on azimuth"));
     let layered = "[spectrum]\nrange_nm = [400, 720]\nstep_nm = 80\n[display]\nlayers = [\n\
         { kind = \"diffuser\", model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }, { kind = \"medium\", index = 1.5 } ]\n\
         [display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Ag\"\n\
         stack = [ { kind = \"polariser\", axis_deg = 20 }, { kind = \"retarder\", axis_deg = 65, retardance_nm = 150 } ]\n";
     let layered =
         Scenario::from_text(layered, "layered.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
-    assert!(matches!(run(&layered), Err(DisplayError::Azimuth { .. })));
     let stop = AtomicBool::new(false);
     let control = Control { threads: None, progress: &|_| {}, stop: &stop };
     let grid = BrdfGrid { theta_i_deg: vec![0.0], theta_o_deg: vec![0.0], dphi_deg: vec![0.0] };
-    let found = papilio_display::brdf(&twisted(&[]), grid, &control);
-    assert!(matches!(found, Err(DisplayError::Azimuth { .. })));
+    for scene in [&twisted(&[]), &layered] {
+        let found = papilio_display::brdf(scene, grid.clone(), &control);
+        assert!(matches!(found, Err(DisplayError::Azimuth { .. })));
+    }
+    let map = papilio_display::cone(&layered, papilio_display::ConeGrid::default(), &control);
+    assert!(matches!(map, Err(DisplayError::Azimuth { .. })), "{map:?}");
     // A pixel that is the same at all azimuths may be below a diffuser.
     let round =
         "display.pixel.stack=[{ kind = \"retarder\", plate = \"C\", retardance_nm = 100, thickness_um = 1 }]";

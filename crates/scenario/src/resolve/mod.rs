@@ -225,6 +225,16 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
     }
 }
 
+/// Leaves the choice of the solver to the program where a liquid crystal is below a scatterer or several layers, and the file has not chosen: adding
+/// computes only those that are the same at all azimuths.
+fn choose_method(file: &File, scene: &mut Scene) {
+    let solver = &file.solver;
+    let is_chosen = ![solver.origin, Origin::FILE].contains(&solver.method.origin);
+    if !is_chosen && matches!(scene.display.pixel, scene::Pixel::Crystal(_)) && !scene.display.is_bare() {
+        scene.solver.method = scene::Method::Auto;
+    }
+}
+
 impl Resolver<'_> {
     fn scene(&mut self, file: &File) -> Option<Scene> {
         if self.grid.start_nm() > LUMINOUS_NM.0 || self.grid.stop_nm() < LUMINOUS_NM.1 {
@@ -249,7 +259,8 @@ impl Resolver<'_> {
             );
             return None;
         }
-        let scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
+        let mut scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
+        choose_method(file, &mut scene);
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
         self.check_medium(file, &scene);

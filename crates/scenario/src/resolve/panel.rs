@@ -11,11 +11,9 @@ use super::Resolver;
 use super::layers::{Neighbours, Part, length};
 use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::crystal::{CrystalLayer, Plate};
 use crate::describe::diffuser::Diffuser;
 use crate::describe::display as describe;
 use crate::describe::display::ShareSpectrum;
-use crate::describe::pixel::Pixel;
 use crate::describe::solver::Approximation;
 use crate::mistake;
 use crate::origin::Origin;
@@ -135,29 +133,10 @@ impl Resolver<'_> {
         Some(Ready::component(reflectance, absorptance).into())
     }
 
-    /// Refuses a liquid-crystal pixel below a diffuser; returns whether it did.
-    fn refuses_crystal(&mut self, display: &describe::Display) -> bool {
-        let Pixel::Crystal(pixel) = &display.pixel.value else { return false };
-        let of_azimuth = |layer: &Spanned<CrystalLayer>| match &layer.value {
-            CrystalLayer::Film(_) | CrystalLayer::Slab(_) => false,
-            CrystalLayer::Retarder(one) => one.plate.value != Plate::C,
-            _ => true,
-        };
-        let refused = pixel.value.stack.iter().any(of_azimuth);
-        if refused {
-            let wrong = Diagnostic::new(
-                "the reflectance of a liquid-crystal pixel depends on azimuth, which a display with a diffuser does not compute yet",
-            );
-            self.errors.push(display.diffuser.origin, wrong.hint("remove the diffuser"));
-        }
-        refused
-    }
-
     /// Resolves the glass and its surface.
     fn glass(&mut self, display: &describe::Display) -> Option<(Medium, Ready)> {
         let glass = display.glass.as_ref()?;
         let wrong = match (&display.diffuser.value, glass.surface.value) {
-            (Some(_), _) if self.refuses_crystal(display) => None,
             (Some(Diffuser::Slab(_)), Some(_)) => {
                 Some("a slab has interfaces of its own: bare ones, where the index changes")
             }

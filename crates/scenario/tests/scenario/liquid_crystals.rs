@@ -195,7 +195,7 @@ fn mistakes_are_explained() {
         (
             "[display.pixel]",
             "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.diffuser]\nmodel = \"lambertian\"\ntransmittance = 0.9\n[display.pixel]",
-            "depends on azimuth, which a display with a diffuser does not compute yet",
+            "a diffuser given by its BTDF includes its surfaces",
         ),
         ("black = { twist_deg = 60 }", "black = { volts = 5 }", "needs the constants of the liquid crystal"),
         ("black = { twist_deg = 60 }", "black = { volts = 5, twist_deg = 60 }", "cannot be combined"),
