@@ -172,7 +172,8 @@ fn haze_film_above_a_cell_is_an_integral_over_directions() {
 /// Adding, which does not know azimuths below scatterers, is refused where it is requested, and otherwise Monte Carlo is chosen.
 #[test]
 fn solver_below_a_haze_film_is_monte_carlo() {
-    let film = [HAZE_FILM, "display.glass={ index = 1.5 }", "solver.relative_error=0.05", "viewer.theta_deg=0"];
+    let film =
+        [HAZE_FILM, "display.glass={ index = 1.5 }", "solver.relative_error=0.05", "viewer.theta_deg=0"];
     let by = run(&twisted(&film)).unwrap();
     assert_eq!(by.solver.method, "monte-carlo");
     let adding = run(&twisted(&[&film[..], &["solver.method=adding"]].concat()));
