@@ -185,10 +185,15 @@ export function clippedShare({ size, planes }: Planes, factors: readonly number[
   const pixels = size[0] * size[1];
   // Odd, so that the pixels are not those of few columns.
   const step = Math.max(1, Math.ceil(pixels / SAMPLES)) | 1;
+  const xyz: [number, number, number] = [0, 0, 0];
   let [count, clipped] = [0, 0];
   for (let pixel = 0; pixel < pixels; pixel += step, count++) {
-    const part = (k: 0 | 1 | 2) => planes.reduce((sum, plane, i) => sum + factors[i]! * values[plane[3 * pixel + k]!]!, 0);
-    if (isClipped(times(matrix, [part(0), part(1), part(2)]))) clipped += 1;
+    xyz.fill(0);
+    for (let i = 0; i < planes.length; i++) {
+      const [plane, factor] = [planes[i]!, factors[i]!];
+      for (let k = 0; k < 3; k++) xyz[k]! += factor * values[plane[3 * pixel + k]!]!;
+    }
+    if (isClipped(times(matrix, xyz))) clipped += 1;
   }
   return count > 0 ? clipped / count : 0;
 }

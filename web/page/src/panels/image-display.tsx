@@ -31,6 +31,7 @@ import {
   zoom,
   zoomBy,
 } from "../state/image.ts";
+import { awaitsNumbers } from "../state/live.ts";
 import { AgeMark, fadedClass } from "./aged.tsx";
 import { mirrors, subPixelsOf, veils } from "./image-parts.ts";
 
@@ -47,47 +48,60 @@ function turnTo(to: Tilt, isDrag: boolean): void {
   moveEye(next);
 }
 
+type Size = readonly [width: number, height: number];
+
 /** Makes the pixels of a canvas those of the screen. */
-function fitted(canvas: HTMLCanvasElement): [number, number] {
-  const box = canvas.getBoundingClientRect();
-  const size: [number, number] = [Math.round(box.width * devicePixelRatio), Math.round(box.height * devicePixelRatio)];
-  if (canvas.width !== size[0]) canvas.width = size[0];
-  if (canvas.height !== size[1]) canvas.height = size[1];
-  return size;
+function fit(canvas: HTMLCanvasElement, box: Size): void {
+  const [width, height] = box.map((side) => Math.round(side * devicePixelRatio)) as [number, number];
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
 }
 
-/** A canvas that is drawn whenever a signal that `draw` reads has changed, at most once for each frame of the screen. */
+/**
+ * A canvas that is drawn whenever a signal that `draw` reads has changed, at most once for each frame of the screen, and after the frame
+ * with the numbers if they are awaited.
+ */
 export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Painter) => void) | null) {
   const ref = useRef<HTMLCanvasElement>(null);
   const painter = useRef<Painter | null>(null);
-  const size = useSignal(0);
+  const box = useSignal<Size | null>(null);
   const next = useRef(0);
+  /** What is to be drawn; null: it is drawn. */
+  const latest = useRef<((painter: Painter) => void) | null>(null);
+  const hasWaited = useRef(false);
   useEffect(() => {
-    const canvas = ref.current!;
-    const plainly = new URLSearchParams(location.search).has("canvas");
-    painter.current = painterOf(canvas, plainly);
-    canvas.dataset["painter"] = painter.current.name;
-    const observer = new ResizeObserver(() => size.value++);
-    observer.observe(canvas);
+    const observer = new ResizeObserver(([of]) => (box.value = [of!.contentRect.width, of!.contentRect.height]));
+    observer.observe(ref.current!);
     return () => {
       observer.disconnect();
       cancelAnimationFrame(next.current);
+      next.current = 0;
       painter.current?.release();
     };
   }, []);
-  useSignalEffect(() => {
-    void size.value;
+  const paint = (): void => {
+    next.current = 0;
     const canvas = ref.current;
-    if (!canvas) return;
-    fitted(canvas);
-    const paint = draw(canvas);
-    cancelAnimationFrame(next.current);
-    if (paint)
-      next.current = requestAnimationFrame(() => {
-        if (painter.current) paint(painter.current);
-        canvas.dataset["drawn"] = String(1 + Number(canvas.dataset["drawn"] ?? 0));
-      });
+    if (!canvas || !latest.current) return;
+    painter.current ??= painterOf(canvas, new URLSearchParams(location.search).has("canvas"));
+    canvas.dataset["painter"] = painter.current.name;
+    latest.current(painter.current);
+    latest.current = null;
+    canvas.dataset["drawn"] = String(1 + Number(canvas.dataset["drawn"] ?? 0));
+  };
+  const schedule = (isWaiting: boolean): void => {
+    if (!latest.current || next.current !== 0) return;
+    if (!isWaiting) next.current = requestAnimationFrame(hasWaited.current ? () => (next.current = requestAnimationFrame(paint)) : paint);
+    hasWaited.current = isWaiting;
+  };
+  useSignalEffect(() => {
+    const canvas = ref.current;
+    if (!canvas || !box.value) return;
+    fit(canvas, box.value);
+    latest.current = draw(canvas) ?? latest.current;
+    schedule(awaitsNumbers.peek());
   });
+  useSignalEffect(() => schedule(awaitsNumbers.value));
   return ref;
 }
 

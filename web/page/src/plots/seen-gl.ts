@@ -65,6 +65,19 @@ float glare(float theta) {
   return 10.0 / (t * t * t) + (5.0 / (t * t) + ${(0.1 * PIGMENT).toFixed(8)} / t) * aged + ${(0.0025 * PIGMENT).toFixed(8)};
 }
 
+// Mirror images of lamps, and the veil in the eye, at a point of the display.
+vec3 inTheEye(vec2 point) {
+  vec3 light = vec3(0.0);
+  vec3 sight = normalize(vec3(point, 0.0) - place);
+  for (int i = 0; i < lampCount; i++)
+    if (dot(vec3(sight.xy, -sight.z), lamps[i].xyz) > lamps[i].w) light += lampLight[i];
+  for (int i = 0; i < veilCount; i++) {
+    float apart = 2.0 * asin(min(1.0, 0.5 * length(veilFrom[i].xyz - sight)));
+    light += veilLight[i] * max(0.0, dot(veilFrom[i].xyz, sight)) * glare(max(veilFrom[i].w, degrees(apart)));
+  }
+  return light;
+}
+
 void main() {
   vec2 at = (gl_FragCoord.xy - 0.5 * canvas) / scale + middle;
   vec3 ray = forward * eyeDistance + right * at.x + up * at.y;
@@ -76,16 +89,17 @@ void main() {
   // The fraction of the canvas's pixel that the display covers.
   vec2 inner = clamp(min(pixel, size - pixel) / max(width, 1e-6) + 0.5, 0.0, 1.0);
   float covered = depth > 0.0 ? inner.x * inner.y : 0.0;
-  if (covered <= 0.0) {
-    colour = vec4(0.0);
-    return;
-  }
   pixel = clamp(pixel, vec2(0.0), size - 1e-3);
   // Between two pixels that are larger than those of the canvas, the border is as wide as a pixel of the canvas.
   vec2 border = floor(pixel + 0.5);
   vec2 near = border + clamp((pixel - border) / max(width, 1e-6), -0.5, 0.5);
   vec2 sampled = mix(pixel, near, vec2(lessThan(width, vec2(1.0))));
-  vec3 light = textureGrad(picture, sampled / size, across / size, along / size).rgb;
+  // With derivatives of its own: drawing by software needs a third of the time of given ones.
+  vec3 light = texture(picture, sampled / size).rgb;
+  if (covered <= 0.0) {
+    colour = vec4(0.0);
+    return;
+  }
   if (windowCount > 0 && max(width.x, width.y) * ${LARGE_PX.toFixed(1)} < 1.0) {
     vec2 inside = vec2(fract(pixel.x), 1.0 - fract(pixel.y));
     int window = windowCount;
@@ -94,13 +108,7 @@ void main() {
     int state = int(texelFetch(states, ivec2(pixel), 0).r);
     light = texelFetch(lightOfWindows, ivec2(window, state), 0).rgb;
   }
-  vec3 sight = normalize(vec3(point, 0.0) - place);
-  for (int i = 0; i < lampCount; i++)
-    if (dot(vec3(sight.xy, -sight.z), lamps[i].xyz) > lamps[i].w) light += lampLight[i];
-  for (int i = 0; i < veilCount; i++) {
-    float apart = 2.0 * asin(min(1.0, 0.5 * length(veilFrom[i].xyz - sight)));
-    light += veilLight[i] * max(0.0, dot(veilFrom[i].xyz, sight)) * glare(max(veilFrom[i].w, degrees(apart)));
-  }
+  if (lampCount + veilCount > 0) light += inTheEye(point);
   colour = vec4(encoded(light) * covered, covered);
 }`;
 

@@ -7,6 +7,7 @@ import { camera, type Camera } from "../model/perspective.ts";
 import type { Seen } from "../model/seen.ts";
 import { lamps, veilInTheMiddle } from "../panels/image-parts.ts";
 import { exposed, factors, isGlaring, shown, tilt } from "./image.ts";
+import { steady } from "./steady.ts";
 
 /** Distance of the eye in widths of a display whose size is unknown. */
 export const FAR = 4;
@@ -22,7 +23,7 @@ function distanceOf({ head, size }: Seen): number | null {
 /** Whether the size of the display is known. */
 export const isSizeKnown = computed(() => shown.value !== null && distanceOf(shown.value.seen) !== null);
 
-export const eye = computed<Camera | null>(() => {
+export const eye = steady<Camera | null>(() => {
   const seen = shown.value?.seen;
   return seen ? camera(tilt.value, distanceOf(seen) ?? FAR, seen.size[1] / seen.size[0]) : null;
 });

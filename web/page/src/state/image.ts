@@ -16,6 +16,7 @@ import { fileIds, keptIds, sendAgain } from "./files.ts";
 import { edit, settled } from "./live.ts";
 import { BUSY } from "./server.ts";
 import { ageOf, revisionOf, type Age, type Revision } from "./revision.ts";
+import { steady } from "./steady.ts";
 
 /** Time without changes after which the states are decided again, ms. */
 const REST_MS = 300;
@@ -85,7 +86,7 @@ const onlyView = computed<Tilt | null>(() => {
 export const movesEye = computed(() => onlyView.value !== null);
 
 /** Direction of the eye. */
-export const tilt = computed<Tilt>(() => {
+export const tilt = steady<Tilt>(() => {
   const view = answer.value?.views[viewIndex.value];
   return tilted.value ?? onlyView.value ?? tiltOf(view?.theta_deg ?? 0, view?.phi_deg ?? 0);
 });
@@ -117,12 +118,12 @@ export function lookFrom(from: Tilt): void {
 }
 
 /** Factors of the lights of the picture: lamps that have become brighter or darker since it was computed. */
-export const factors = computed<readonly number[]>(() =>
+export const factors = steady<readonly number[]>(() =>
   shown.value ? brighter(shown.value.seen.head.lights, shown.value.lights, intensities(fields.value)) : [],
 );
 
 /** How colours are shown on this page, in the light of this moment. */
-export const exposed = computed(() => {
+export const exposed = steady(() => {
   const lux = numberAt(fields.value, "lighting.illuminance_lx") ?? 0;
   return shown.value ? exposure(shown.value.seen, factors.value, lux, whiteOfPage.value, screenLight.value) : null;
 });

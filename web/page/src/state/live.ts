@@ -5,7 +5,7 @@
 // exact one of this view as soon as nothing has changed for a moment; and then with all views. A new change cancels the
 // later ones. The server answers exactly at once if that takes little work.
 
-import { batch, effect, untracked } from "@preact/signals";
+import { batch, effect, signal, untracked } from "@preact/signals";
 
 import * as api from "../api/client.ts";
 import type { Edit, Live } from "../api/types.ts";
@@ -43,6 +43,21 @@ type Step = "first" | "exact" | "all";
 let flight: { abort: AbortController; since: number; step: Step } | null = null;
 /** The timer of the request for the next answer. */
 let rest: ReturnType<typeof setTimeout> | undefined;
+
+/**
+ * Whether the first numbers of a change are awaited. Pictures are drawn after them: where the processor draws, a picture takes as long as
+ * the numbers. A display whose numbers take long is drawn before them.
+ */
+export const awaitsNumbers = signal(false);
+/** The longest time for which pictures wait after a change, and after another design was opened, ms. */
+const [WAIT_MS, OPENING_MS] = [150, 1000];
+let waited: ReturnType<typeof setTimeout> | undefined;
+
+function awaitNumbers(are: boolean): void {
+  clearTimeout(waited);
+  awaitsNumbers.value = are;
+  if (are) waited = setTimeout(() => (awaitsNumbers.value = false), opening.value === "" ? WAIT_MS : OPENING_MS);
+}
 
 /** Changes keys. All changes of a gesture are one undo step. */
 export function edit(edits: readonly Edit[]): void {
@@ -253,6 +268,7 @@ async function once(step: Step): Promise<void> {
   const abort = new AbortController();
   const since = performance.now();
   flight = { abort, since, step };
+  if (step === "first") awaitNumbers(true);
   // The view that is shown does not wait for the others.
   const slow = setTimeout(() => (busy.value = step !== "all"), SHOWN_MS);
   const impatient = setTimeout(() => dirty && abort.abort(), patience());
@@ -279,6 +295,7 @@ async function once(step: Step): Promise<void> {
   } finally {
     clearTimeout(slow);
     clearTimeout(impatient);
+    awaitNumbers(false);
     flight = null;
     if (!dirty) busy.value = false;
     if (!dirty || draft.value === null) opening.value = "";
