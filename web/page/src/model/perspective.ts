@@ -35,6 +35,8 @@ const FILLED = 0.94;
 
 const RADIANS = Math.PI / 180;
 
+const dot = ([a, b, c]: Triple, [x, y, z]: Triple): number => a * x + b * y + c * z;
+
 const cross = ([a, b, c]: Triple, [x, y, z]: Triple): Triple => [b * z - c * y, c * x - a * z, a * y - b * x];
 
 /** Returns the direction of an inclination and an azimuth. */
@@ -84,6 +86,28 @@ export function camera([x, y]: Tilt, distance: number, height: number): Camera {
 /** Returns the scale at which a display fills a canvas. */
 export const fitting = ([width, height]: readonly [number, number], tall: number): number =>
   FILLED * Math.min(width, height / tall);
+
+/**
+ * Returns the part of the canvas, in pixels from its lower left corner, outside which there is nothing of the display: x, y, width, height.
+ */
+export function extent({ place, right, up, forward, distance, height }: Camera, frame: Frame): [number, number, number, number] {
+  const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]] as [[number, number], [number, number]];
+  for (const x of [-0.5, 0.5])
+    for (const y of [-height / 2, height / 2]) {
+      const ray: Triple = [x - place[0], y - place[1], -place[2]];
+      const depth = dot(forward, ray);
+      // A corner behind the eye: all of the canvas.
+      if (depth <= 0) return [0, 0, ...frame.canvas];
+      [right, up].forEach((axis, k) => {
+        const at = frame.canvas[k]! / 2 + frame.scale * ((distance * dot(axis, ray)) / depth - frame.middle[k]!);
+        low[k] = Math.min(low[k]!, at);
+        high[k] = Math.max(high[k]!, at);
+      });
+    }
+  const from = low.map((at, k) => Math.min(frame.canvas[k]!, Math.max(0, Math.floor(at) - 1)));
+  const to = high.map((at, k) => Math.min(frame.canvas[k]!, Math.max(0, Math.ceil(at) + 1)));
+  return [from[0]!, from[1]!, Math.max(0, to[0]! - from[0]!), Math.max(0, to[1]! - from[1]!)];
+}
 
 /** Returns the point of the display, in its widths, at a point of the canvas; null beside its plane. */
 export function pointAt(of: Camera, frame: Frame, x: number, y: number): [number, number] | null {

@@ -2,6 +2,7 @@
 // perspective: nearest pixels where they are large, means where they are small.
 
 import type { Triple } from "../model/colour.ts";
+import { extent } from "../model/perspective.ts";
 import type { Planes } from "../model/seen.ts";
 import { AGE, LEAST_DEG, MOST_DEG, PIGMENT } from "../model/glare.ts";
 import { LARGE_PX, type Lit, type Painter, type Scenery, type SubPixels } from "./seen.ts";
@@ -304,6 +305,9 @@ class Graphics implements Painter {
     if (windows.length > 0) gl.uniform4fv(at("windows"), windows.flat());
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(...extent(camera, frame));
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.disable(gl.SCISSOR_TEST);
   }
 }

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { displayed, encoded, hex, painted, times, type Triple } from "../../src/model/colour.ts";
-import { anglesOf, camera, direction, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
+import { anglesOf, camera, direction, extent, fitting, limited, pointAt, tiltOf, type Frame } from "../../src/model/perspective.ts";
 import { glareFunction, glareOf, veil, type Lamp } from "../../src/model/glare.ts";
 import { brighter, clippedShare, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
@@ -228,6 +228,28 @@ test("display that faces the eye fills the canvas, and its nearer side is larger
   const [left, right] = [pointAt(tilted, frame(scale), 150, 150)!, pointAt(tilted, frame(scale), 250, 150)!];
   assert.ok(-left[0] > right[0] && right[0] > 0, `${left.join()} ${right.join()}`);
   assert.ok(left[0] < -50 / scale / Math.cos(Math.PI / 3));
+});
+
+test("extent contains every pixel of the canvas at which the display is, and little more", () => {
+  for (const [tilt, zoom, middle] of [[0, 1, [0, 0]], [60, 1, [0, 0]], [-75, 2, [0.1, -0.2]], [40, 8, [0.4, 0.3]]] as const) {
+    const canvas = [160, 120] as const;
+    const from = camera(tiltOf(tilt, 20), 0.8, 0.75);
+    const frame: Frame = { canvas, scale: zoom * fitting(canvas, 0.75), middle };
+    const [x, y, width, height] = extent(from, frame);
+    const seen: [number, number][] = [];
+    for (let j = 0; j < canvas[1]; j++)
+      for (let i = 0; i < canvas[0]; i++) {
+        const at = pointAt(from, frame, i + 0.5, j + 0.5);
+        // Rows of the canvas begin at the top, those of the extent at the bottom.
+        if (at && Math.abs(at[0]) <= 0.5 && Math.abs(at[1]) <= 0.375) seen.push([i, canvas[1] - 1 - j]);
+      }
+    const [columns, rows] = [seen.map(([i]) => i), seen.map(([, j]) => j)];
+    for (const [all, low, size] of [[columns, x, width], [rows, y, height]] as const) {
+      const [least, most] = [Math.min(...all), Math.max(...all)];
+      assert.ok(low <= least && low >= least - 3, `${tilt}: from ${low}, seen from ${least}`);
+      assert.ok(low + size > most && low + size <= most + 4, `${tilt}: to ${low + size}, seen to ${most}`);
+    }
+  }
 });
 
 test("direction of the eye has an inclination of at most 75 degrees", () => {
