@@ -127,27 +127,29 @@ export function Toolbar() {
         ]}
         add={addLight}
       />
-      <button
-        type="button"
-        disabled={!canMove(-1)}
-        onClick={() => moveSelected(-1)}
-        aria-label="Up"
-        title="Up (Alt + arrow up)"
-      >
-        ↑
-      </button>
-      <button
-        type="button"
-        disabled={!canMove(1)}
-        onClick={() => moveSelected(1)}
-        aria-label="Down"
-        title="Down (Alt + arrow down)"
-      >
-        ↓
-      </button>
-      <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">
-        Remove
-      </button>
+      <span class="moves">
+        <button
+          type="button"
+          disabled={!canMove(-1)}
+          onClick={() => moveSelected(-1)}
+          aria-label="Up"
+          title="Up (Alt + arrow up)"
+        >
+          ↑
+        </button>
+        <button
+          type="button"
+          disabled={!canMove(1)}
+          onClick={() => moveSelected(1)}
+          aria-label="Down"
+          title="Down (Alt + arrow down)"
+        >
+          ↓
+        </button>
+        <button type="button" disabled={!canRemove()} onClick={removeSelected} title="Remove (Delete)">
+          Remove
+        </button>
+      </span>
     </div>
   );
 }

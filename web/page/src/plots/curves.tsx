@@ -22,6 +22,8 @@ export interface Plot {
   curves: readonly Curve[];
   xName: string;
   yName: string;
+  /** The same in a low plot. */
+  yShort?: string;
   /** The range that the ordinate always includes. */
   range?: readonly [number, number];
   /** Whether both axes are logarithmic. */
@@ -118,7 +120,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     },
     axes: [
       { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords), size: 30, space: 44 },
-      { ...axis(props.yName, Boolean(props.log)), size: 56, space: 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
+      { ...axis((size.height < LOW && props.yShort) || props.yName, Boolean(props.log)), size: 56, space: 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
     ],
     series: [
       {},

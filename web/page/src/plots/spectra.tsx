@@ -73,6 +73,7 @@ export function Spectra() {
     curves: curves.value,
     xName: "Wavelength (nm)",
     yName: name,
+    yShort: radiance ? "Radiance" : "Refl. factor",
     range: radiance ? [0, 0] : [0, 0.1],
   };
   const table = () => [

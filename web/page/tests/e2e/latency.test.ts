@@ -5,7 +5,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { stage, tool, type Stage } from "./stage.ts";
+import { changed, figure, stage, tool, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -85,6 +85,34 @@ function median(times: readonly number[], where: string): number {
   );
   return at(times, 0.5);
 }
+
+test("numbers of a moved lamp are shown while its picture is still computed, which is drawn once", { timeout: 120_000 }, async () => {
+  const page = await on.visit();
+  await tool(page, "stage");
+  const shown = page.locator('.seen-display[data-age="current"] canvas[data-drawn]');
+  await shown.waitFor();
+  await page.waitForLoadState("networkidle");
+  const drawn = async () => Number(await page.locator(".seen-display canvas").getAttribute("data-drawn"));
+  const held: Promise<void>[] = [];
+  let release = (): void => {};
+  const isReleased = new Promise<void>((resolve) => (release = resolve));
+  await page.route("**/api/v1/image", (route) => {
+    held.push(isReleased.then(() => route.continue()));
+  });
+  const [before, count] = [await figure(page, "White % Y"), await drawn()];
+  const lamp = page.locator('[data-stage-handle^="lighting.directed.0"]');
+  await lamp.focus();
+  for (let i = 0; i < 5; i++) await page.keyboard.press("ArrowLeft");
+  await changed(page, "White % Y", before);
+  assert.equal(await page.locator(".seen-display").getAttribute("data-age"), "before");
+  assert.equal(await drawn(), count, "the picture before is not drawn again");
+  assert.ok(held.length > 0, "the picture is requested");
+  release();
+  await Promise.all(held);
+  await shown.waitFor();
+  await page.waitForFunction((count) => Number(document.querySelector<HTMLElement>(".seen-display canvas")!.dataset["drawn"]) > count, count);
+  await page.context().close();
+});
 
 test("median latency of 200 random slider moves is below the limit", { timeout: 300_000 }, async () => {
   const page = await on.visit();
