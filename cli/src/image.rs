@@ -23,7 +23,7 @@ use crate::numbers::measured;
 use crate::palette::room;
 use crate::pictures::Shown;
 use crate::spatial::{SpatialOutput, compute_files, show, title};
-use crate::{Failure, report};
+use crate::{Failure, costs, report};
 
 /// Shows one picture, and prints its numbers.
 pub(crate) fn show_one(shown: &Shown<'_>) -> Result<(), Failure> {
@@ -56,6 +56,7 @@ impl<'a> Request<'a> {
     fn of(shown: &Shown<'a>, resolved: Resolved) -> Result<Self, Failure> {
         let arguments = shown.arguments;
         crate::palette::check_rooms(&arguments.rooms)?;
+        costs::check_picture(&resolved, shown.command.workers.threads)?;
         let states = resolved.scene.display.state_names();
         let frame = FrameRequest::new(&arguments.frame, image_of(&resolved)?, states)?;
         let title = title(&shown.command, &resolved);

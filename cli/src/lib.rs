@@ -314,6 +314,10 @@ fn run_command(arguments: &[OsString]) -> u8 {
         print_message(&format!("error: {message}"));
         return 2;
     }
+    // The others read what they have written before.
+    if !matches!(parsed.command, Command::Validate(_) | Command::Serve(_)) {
+        papilio_formats::protect_inputs();
+    }
     job::follow_server();
     match parsed.command.run() {
         Ok(()) => 0,

@@ -80,10 +80,7 @@ impl Expected<'_> {
     /// Fails if the work would take too long on this number of threads (`None`: one for each processor), or too
     /// much memory, unless it was asked for.
     pub(crate) fn check(&self, threads: Option<u16>) -> Result<(), Failure> {
-        let threads = threads.map_or_else(
-            || std::thread::available_parallelism().map_or(1, usize::from),
-            |threads| usize::from(threads).max(1),
-        );
+        let threads = thread_count(threads);
         let hours = self.seconds / 3600.0 / threads as f64;
         let Self { what, keys, bytes, .. } = self;
         let what_it_takes = if hours > LONGEST_HOURS {
@@ -101,6 +98,14 @@ impl Expected<'_> {
              number ({keys}); --allow-long computes it nevertheless"
         )))
     }
+}
+
+/// Number of threads; `None`: one for each processor.
+pub(crate) fn thread_count(threads: Option<u16>) -> usize {
+    threads.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        |threads| usize::from(threads).max(1),
+    )
 }
 
 /// Expected time of work of which a fraction is done.

@@ -76,7 +76,7 @@ pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(),
         ))
     };
     for entry in std::fs::read_dir(folder).map_err(failure)?.flatten() {
-        if entry.file_name().to_str().is_some_and(&is_old) {
+        if entry.file_name().to_str().is_some_and(&is_old) && !papilio_formats::is_input(&entry.path()) {
             std::fs::remove_file(entry.path()).map_err(failure)?;
         }
     }

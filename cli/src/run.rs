@@ -28,6 +28,9 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
     let out = out_folder(arguments, &resolved.hash)?;
     costs::check_paths(&resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
+    let views = resolved.scene.viewer.directions().count();
+    let views = if arguments.cone { usize::MAX } else { views };
+    costs::check_views(&resolved, views, arguments.workers.threads)?;
     cost_note(&resolved, arguments.workers.threads)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
     let threads = arguments.workers.threads;

@@ -14,8 +14,8 @@ use papilio_display::compare::{
 use papilio_display::pixel::is_mixture;
 use papilio_figures::{compared_gamuts, compared_metrics, compared_spectra};
 use papilio_formats::{
-    DataFile, read_measurement, write_compared_metrics, write_compared_spectra, write_comparison, write_file,
-    write_json,
+    DataFile, LARGEST_FILE, open_input, read_measurement, write_compared_metrics, write_compared_spectra,
+    write_comparison, write_file, write_json,
 };
 use papilio_scenario::nearest;
 
@@ -106,7 +106,7 @@ fn suggestion(simulated: &Simulated, measured: &[Measured]) -> Option<String> {
 }
 
 fn open(path: &Path) -> Result<DataFile, Failure> {
-    DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)
+    open_input(path, &path.display().to_string(), LARGEST_FILE).map_err(Failure::Data)
 }
 
 fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<String>, Failure> {

@@ -9,6 +9,7 @@ use papilio_optics::Beta;
 
 use super::{read, report, tables};
 use crate::arguments::FitArguments;
+use crate::progress::FractionBar;
 use crate::{Failure, output};
 
 /// Incidences of the figure, degrees, as in Feng 2012, fig. 4.5; the nearest ones of the file are used.
@@ -23,8 +24,12 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     };
     let channel = part.luminous();
     let options = FitOptions { straight_width: arguments.straight_width, ..FitOptions::default() };
+    let bar = FractionBar::new();
+    bar.advance(0.0, format!("fitting lobes to {} values", part.channel(channel).len()));
+    let log = bar.in_log(String::new);
     let fits = fitted(part, channel, arguments.model, &options)
         .map_err(|error| Failure::Input(error.to_string()))?;
+    drop((log, bar));
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use papilio_figures::{Transmission, lobes, transmission};
-use papilio_formats::{AuditFile, DataFile, Warned, audit_text, read_fractions_with_notes, write_json};
+use papilio_formats::{
+    AuditFile, LARGEST_FILE, Warned, audit_text, open_input, read_fractions_with_notes, write_json,
+};
 use papilio_goniometry::{Audit, Channels, MeasuredPart};
 
 use super::{read, report};
@@ -72,7 +74,7 @@ fn all_channels(part: &MeasuredPart) -> Vec<Audit> {
 
 /// Reads a transmission spectrum from a file.
 fn spectrum(path: &Path) -> Result<Transmission, Failure> {
-    let file = DataFile::open(path, &path.display().to_string()).map_err(Failure::Data)?;
+    let file = open_input(path, &path.display().to_string(), LARGEST_FILE).map_err(Failure::Data)?;
     let Warned { value: spectrum, warnings } = read_fractions_with_notes(&file).map_err(Failure::Data)?;
     warnings.iter().for_each(|note| print_message(&format!("note: {}: {note}", file.name)));
     Ok(Transmission {

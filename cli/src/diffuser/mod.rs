@@ -12,7 +12,7 @@ mod tables;
 use std::path::Path;
 
 use papilio_formats::{
-    BsdfFormat, DataFile, LARGEST_BSDF_FILE, WriteError, read_bsdf_file, write_file, write_measurement,
+    BsdfFormat, LARGEST_BSDF_FILE, WriteError, open_input, read_bsdf_file, write_file, write_measurement,
 };
 use papilio_goniometry::{Measurement, ScatterMode};
 
@@ -33,7 +33,7 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
 /// Reads a file in any format, or one part of it, and prints its notes and warnings.
 fn read(path: &Path, part: Option<ScatterMode>) -> Result<Measurement, Failure> {
     let name = path.display().to_string();
-    let file = DataFile::open_within(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
+    let file = open_input(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
     let mut read = read_bsdf_file(&file, part).map_err(Failure::Data)?;
     if !read.states_part {
         read.notes.push(

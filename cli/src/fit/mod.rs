@@ -16,7 +16,7 @@ use papilio_scenario::{Edit, Fit, edit};
 use crate::arguments::FitCommand;
 use crate::compare::{measurement, names_of};
 use crate::progress::FractionBar;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes};
+use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes};
 
 /// Files of an earlier fit, besides figures.
 const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
@@ -24,6 +24,8 @@ const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
 pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     let spec = input::scenario::<Fit>(&arguments.scenario.file, &arguments.scenario.set)?;
     print_notes(&spec.notes);
+    let own = costs::own(&arguments.scenario.file, &arguments.scenario.set)?;
+    costs::check_fit(&own, &spec, arguments.workers.threads)?;
     let (measured, notes) = measurement(&arguments.measured)?;
     notes.iter().for_each(|note| print_message(note));
     interrupt::catch_ctrl_c();

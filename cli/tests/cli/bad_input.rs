@@ -51,6 +51,47 @@ fn impossible_overrides_are_refused_by_name() {
     }
 }
 
+/// A lamp, a measurement and a picture whose names are those of results, in the folder for these, also by a link.
+#[test]
+fn results_are_not_written_over_their_inputs() {
+    let data = scenario("data");
+    let data = data.with_extension("");
+    let coarse = ["--set", "spectrum.step_nm=20"];
+    for (name, from, command, file, more) in [
+        ("spectra.csv", "rgb-led.csv", "run", "indoor", &["--set", "lighting.spectrum=\"{input}\""][..]),
+        ("fit.csv", "synthetic-film.csv", "fit", "fit", &["{input}"]),
+        ("comparison.csv", "synthetic-panel.csv", "compare", "indoor", &["{input}"]),
+        ("seen.png", "page.png", "image", "six-ink", &["{input}"]),
+    ] {
+        for is_linked in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            let input = folder.path().join(name);
+            let before = fs::read(data.join(from)).unwrap();
+            fs::write(&input, &before).unwrap();
+            let mut named = input.clone();
+            if is_linked {
+                named = folder.path().join("link").with_extension(input.extension().unwrap());
+                #[cfg(unix)]
+                std::os::unix::fs::symlink(&input, &named).unwrap();
+                #[cfg(not(unix))]
+                continue;
+            }
+            let named = named.to_str().unwrap();
+            let mut program = papilio();
+            program.arg(command).arg(scenario(file));
+            program.args(more.iter().map(|word| word.replace("{input}", named)));
+            let output = program.args(coarse).arg("--out").arg(folder.path()).output().unwrap();
+            let said = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{command}: {said}");
+            assert!(
+                said.contains("is an input of the command") && said.contains("--out"),
+                "{command}: {said}"
+            );
+            assert!(fs::read(&input).unwrap() == before, "{command}");
+        }
+    }
+}
+
 #[test]
 fn missing_scenario_exits_with_2() {
     assert_eq!(run("indoor", &["--solver", "magic"]).status.code(), Some(2));

@@ -410,6 +410,12 @@ pub struct Port {
 }
 
 impl Lighting {
+    /// Returns the number of ambient sources: the diffuse light, directed sources and the parts of environments.
+    pub fn source_count(&self) -> usize {
+        let parts: usize = self.environment.iter().map(|one| one.parts.len()).sum();
+        1 + self.directed.len() + parts
+    }
+
     /// The polarisation of each ambient source, directed ones first, with its place in `[lighting]`.
     pub(crate) fn vibrations(&self) -> impl Iterator<Item = (String, Option<Vibration>)> {
         let directed = self.directed.iter().enumerate();

@@ -7,6 +7,7 @@ use std::path::Path;
 use papilio_diagnostics::Place;
 
 use crate::error::{FormatError, Problem};
+use crate::inputs::check_output;
 use crate::temporary::{Temporary, remove_abandoned_once};
 
 /// Largest size of an input file, bytes; files of measured scattering have a limit of their own.
@@ -70,12 +71,13 @@ impl DataFile {
 /// renamed. Temporary files that a killed program has left in the folder are deleted.
 ///
 /// # Errors
-/// If the system or `write` reports an error. No partial file remains, and a previous file of this name is
+/// If the system or `write` reports an error, or the file is an input of the command. No partial file remains, and a previous file of this name is
 /// not changed.
 pub fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), FormatError> {
+    check_output(path)?;
     write_and_rename(path, write).map_err(|error| unwritable(path, &error))
 }
 

@@ -77,6 +77,7 @@ mod gloss;
 mod gonio;
 mod guard;
 mod index;
+mod inputs;
 mod instrument;
 mod journal;
 mod json;
@@ -139,6 +140,7 @@ pub use gonio::{
     surface_audit_schema, write_cutoffs, write_face, write_psd, write_totals, write_waves,
 };
 pub use index::{read_index, read_index_within};
+pub use inputs::{is_input, open_input, protect_inputs};
 pub use journal::{
     Journal, JournalNumber, JournalRow, JournalRows, Journals, LARGEST_JOURNAL, LockedJournal, RowsHead,
     TableHead, foreign_journal_error, journal_name, journal_paths, open_journal, read_journal, read_journals,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use papilio_diagnostics::{Diagnostic, Place, suggestion};
-use papilio_formats::{DataFile, FormatError};
+use papilio_formats::{DataFile, FormatError, open_input};
 use sha2::{Digest, Sha256};
 
 use crate::here::relative_path;
@@ -73,9 +73,7 @@ impl Library {
         match self {
             Self::Both { files, .. } if files.contains_key(name) => kept_within(&files[name], name, limit),
             Self::Folder(folder) | Self::Both { folder, .. } => {
-                DataFile::open_within(&folder.join(name), name, limit)
-                    .map(MemoryFile::new)
-                    .map_err(Missing::Unread)
+                open_input(&folder.join(name), name, limit).map(MemoryFile::new).map_err(Missing::Unread)
             }
             Self::Memory { files, .. } => match files.get(name) {
                 Some(kept) => kept_within(kept, name, limit),

@@ -11,6 +11,7 @@
 //! program is the same: an interrupted run is resumed. `PAPILIO_EXTREMES=haze` tries all cases with a word;
 //! `PAPILIO_PROGRESS_SECONDS=2` shows progress sooner, so that long cases end sooner.
 
+mod estimates;
 mod keys;
 mod places;
 mod record;

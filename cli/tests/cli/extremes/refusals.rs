@@ -94,8 +94,13 @@ fn what_would_take_hours_is_refused_with_its_key() {
 /// Work whose counts say that it takes too long, or too much memory: nothing is computed or written.
 #[test]
 fn work_that_is_known_to_take_too_long_is_refused_before_it_begins() {
+    /// What was measured for a fit.
+    const MEASURED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/data/synthetic-film.csv");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let paths = ["--set", "solver.method=monte-carlo", "--set", "solver.paths=100000000000"];
+    let slab = "display.diffuser={ model = \"slab\", optical_thickness = 1, anisotropy = 0.99, albedo = 1, index = 1.5 }";
+    let thickness = "fit.variables=[{ key = \"display.diffuser.optical_thickness\", bounds = [0.5, 2] }]";
+    let long_fit = [MEASURED, "--set", slab, "--set", thickness, "--set", "fit.starts=1000"];
     for (command, file, more, key) in [
         ("run", "scenarios/indoor.toml", &paths[..], "solver.paths"),
         ("mtf", "scenarios/matrix.toml", &paths, "solver.paths"),
@@ -113,11 +118,29 @@ fn work_that_is_known_to_take_too_long_is_refused_before_it_begins() {
             &["--set", "optimize.evaluations=100000000"],
             "optimize.evaluations",
         ),
+        ("tolerance", "scenarios/tolerance.toml", &["--set", "spectrum.step_nm=0.02"], "spectrum.step_nm"),
+        ("fit", "scenarios/fit.toml", &[MEASURED, "--set", "spectrum.step_nm=0.05"], "spectrum.step_nm"),
+        ("fit", "scenarios/fit.toml", &long_fit, "fit.starts"),
+        (
+            "image",
+            "scenarios/reader.toml",
+            &["--set", "image.samples_per_pixel=8"],
+            "image.samples_per_pixel",
+        ),
+        (
+            "run",
+            "scenarios/map.toml",
+            &["--cone", "--threads", "4", "--set", "display.diffuser.regular_fraction=0.1"],
+            "--threads",
+        ),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");
         let mut program = papilio_command();
-        program.arg(command).arg(root.join(file)).args(more).args(["--threads", "1", "--out"]).arg(&out);
+        program.arg(command).arg(root.join(file)).args(more).arg("--out").arg(&out);
+        if !more.contains(&"--threads") {
+            program.args(["--threads", "1"]);
+        }
         let output = program.output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{command}: {said}");

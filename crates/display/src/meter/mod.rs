@@ -31,6 +31,7 @@ use front_light::BelowFront;
 use lines::Corrections;
 pub(crate) use metrics::{PRIMARIES, ViewScalars, jackknife};
 use metrics::{Reference, StateObservation};
+pub(crate) use replicates::LeastErrors;
 use sample::Layout;
 pub(crate) use sample::{Sample, relative};
 pub(crate) use slopes::{Number, Slopes};

@@ -6,10 +6,35 @@
 //! wavelengths and states.
 
 use super::metrics::ViewScalars;
-use super::sample::{Sample, relative, spread};
+use super::sample::{Layout, Sample, relative, spread};
 use super::view::Numbers;
 use super::{Meter, ViewSamples};
 use crate::setup::ViewPoint;
+
+/// Rounding error of a fraction of the light.
+const ROUNDING: f64 = 1e-12;
+
+/// Fraction of the light of one path to which replicates agree if they have met an event equally often.
+const AGREEMENT: f64 = 0.1;
+
+/// Smallest standard errors: replicates may all meet an event equally often, or all miss it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct LeastErrors {
+    /// Relative to each value.
+    pub(crate) relative: f64,
+    /// Number of random paths of the energy balance; 0 if it is a smooth sum over directions.
+    pub(crate) paths: u64,
+    /// Whether all paths may miss what lies below a thick slab.
+    pub(crate) is_below_slabs: bool,
+}
+
+impl LeastErrors {
+    /// Returns the light of one path, and the standard error of a fraction of the light that all paths may have
+    /// missed. By the rule of three, its probability is below 3/n with a confidence of 95 %, which is two standard errors.
+    fn of_balance(self) -> Option<(f64, f64)> {
+        (self.paths > 0).then(|| (1.0 / self.paths as f64, 1.5 / self.paths as f64))
+    }
+}
 
 impl Meter<'_> {
     /// Returns the largest relative standard error of Y over the states and, with `per_wavelength`, of
@@ -37,12 +62,12 @@ impl Meter<'_> {
     }
 
     /// Computes the result of a view from the samples of all replicates; `specular` has shape
-    /// `[state][light]`. No standard error is below `least` times the value.
+    /// `[state][light]`. No standard error is below `least`.
     pub(crate) fn view_of_replicates(
         &self,
         at: &ViewPoint,
         samples: &[Sample],
-        least: f64,
+        least: LeastErrors,
         specular: &[Vec<f64>],
     ) -> ViewSamples {
         let bare = self.bare_peaks(at, self.setup.stack.base());
@@ -50,10 +75,12 @@ impl Meter<'_> {
         let left_out: Vec<ViewScalars> =
             (0..samples.len()).map(|k| self.scalars(&Sample::mean(samples, Some(k)), &bare)).collect();
         let (of_mean, jackknife) = (self.scalars(&mean, &bare), ViewScalars::jackknife(&left_out));
-        let at_least = |error: f64, value: f64| error.max(least * value.abs());
+        let at_least = |error: f64, value: f64| error.max(least.relative * value.abs());
+        let mut linear = Sample::standard_errors(samples).combine(&mean, at_least);
+        (0..self.layout.states).for_each(|state| self.raise_errors(state, (&mean, &mut linear), least));
         let errors = Numbers {
-            linear: Sample::standard_errors(samples).combine(&mean, at_least),
-            scalars: if least > 0.0 {
+            linear,
+            scalars: if least.relative > 0.0 {
                 ViewScalars::combine(&jackknife, &of_mean, at_least)
             } else {
                 jackknife
@@ -62,5 +89,25 @@ impl Meter<'_> {
         let value = Numbers { scalars: of_mean, linear: mean };
         let colours = std::iter::once(&value.scalars).chain(&left_out).map(ViewScalars::colours).collect();
         ViewSamples { view: self.view(at, value, errors, None, specular), colours, of_levels: None }
+    }
+    /// Raises the errors of the energy balance where the replicates agree too well, and those of light from below thick
+    /// slabs.
+    fn raise_errors(&self, state: usize, (mean, errors): (&Sample, &mut Sample), least: LeastErrors) {
+        let Some((of_path, missed)) = least.of_balance() else { return };
+        let balance = self.layout.ledger(state);
+        for entry in balance.clone().filter(|entry| mean.0[*entry].abs() > ROUNDING) {
+            if errors.0[entry] < AGREEMENT * of_path {
+                errors.0[entry] = missed;
+            }
+        }
+        if least.is_below_slabs {
+            let is_inactive = self.setup.stack.base().inactive_absorptance.max() > 0.0;
+            // Exactly 0 if no path has passed.
+            let pixel = [balance.start + Layout::OF_PIXEL].into_iter();
+            let inactive = is_inactive.then_some(balance.start + Layout::OF_INACTIVE);
+            for entry in pixel.chain(inactive).chain(self.layout.terms(state)) {
+                errors.0[entry] = errors.0[entry].max(missed);
+            }
+        }
     }
 }

@@ -69,6 +69,8 @@ pub(crate) struct Layout {
 impl Layout {
     /// Entries of the energy balance: returned, front, diffuser, glass, pixel, inactive, unaccounted.
     pub(crate) const LEDGER: usize = 7;
+    pub(crate) const OF_PIXEL: usize = 4;
+    pub(crate) const OF_INACTIVE: usize = 5;
 
     fn per_state(&self) -> usize {
         let alone = if self.by_light { self.terms * self.bins } else { 0 };

@@ -11,6 +11,7 @@ use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
 use rayon::ThreadPool;
 
+use super::memory::has_rings_apart;
 use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
 use super::saved::{Kind, row_number};
@@ -383,6 +384,8 @@ impl Survey<'_> {
             let of_phi = |phi: &usize| setup.views[phi * thetas + theta].field;
             if theta < thetas { computed.iter().map(of_phi).collect() } else { vec![self.reference.field] }
         };
+        // What all azimuths have in common then takes gigabytes.
+        let one_by_one = has_rings_apart(setup);
         let count = thetas + usize::from(shared);
         let every: Vec<Cone> = (0..count).flat_map(fields).collect();
         let stop = self.run.control.stop;
@@ -413,19 +416,27 @@ impl Survey<'_> {
                 return report();
             }
             let fields = fields(theta);
-            let mut own = None;
-            let (kernel, first) = if shared {
-                (&kernel, theta * computed.len())
-            } else {
-                let own = own.insert(kernel.unprepared());
-                own.prepare_part(&kernel, &setup.stack, &fields, &setup.sources, stop).then_some(())?;
-                (&*own, 0)
+            let colours = |kernel: &Kernel, view: usize| {
+                if self.run.control.stopped() { None } else { self.colours(kernel, view) }
             };
-            let colours =
-                |k: usize| if self.run.control.stopped() { None } else { self.colours(kernel, first + k) };
-            let found = (0..fields.len()).map(colours).collect::<Option<Colours>>()?;
-            // Those of general layers are the same for all rows.
-            let nodes = kernel.nodes() as u64;
+            let (found, nodes) = if shared {
+                let first = theta * computed.len();
+                let found =
+                    (0..fields.len()).map(|k| colours(&kernel, first + k)).collect::<Option<Colours>>()?;
+                // Those of general layers are the same for all rows.
+                (found, kernel.nodes() as u64)
+            } else {
+                let (mut found, mut nodes) = (Colours::new(), 0);
+                for fields in fields.chunks(if one_by_one { 1 } else { fields.len().max(1) }) {
+                    let mut own = kernel.unprepared();
+                    own.prepare_part(&kernel, &setup.stack, fields, &setup.sources, stop).then_some(())?;
+                    for k in 0..fields.len() {
+                        found.push(colours(&own, k)?);
+                    }
+                    nodes += own.nodes() as u64;
+                }
+                (found, nodes)
+            };
             self.saved.save(row_number(Kind::Row, level, theta), &numbers_of(&found, nodes));
             *row = Some((found, nodes));
             report()

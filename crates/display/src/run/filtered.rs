@@ -9,7 +9,7 @@ use super::rounds::paths_for_a_tenth;
 use super::{Control, REPLICATES, Round, Run, each_view, missed, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
-use crate::meter::Sample;
+use crate::meter::{LeastErrors, Sample};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Method, Stop};
 use crate::spatial::walk::Placed;
@@ -57,7 +57,10 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     let of_view = |number: usize, control: &Control<'_>| {
         let (view, mut rounds) = (&setup.views[number], Vec::new());
         let before = placed.traced();
-        let seen = |samples: &[Sample]| run.meter.view_of_replicates(view, samples, 0.0, &specular);
+        let seen = |samples: &[Sample], paths: u64| {
+            let least = LeastErrors { paths, ..LeastErrors::default() };
+            run.meter.view_of_replicates(view, samples, least, &specular)
+        };
         let ((samples, error, missed), paths) = until(&solver.stop, MOST_PATHS, |paths| {
             let of = |estimate: PlacedEstimate| {
                 let mut rho = estimate.rho;
@@ -70,7 +73,9 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
             let samples: Vec<Sample> = estimates.into_iter().map(of).collect();
             let error = run.meter.standard_error(&samples, per_wavelength);
             let missed = match &solver.stop {
-                Stop::Target(target) => target.missed_by(&seen(&samples).view).unwrap_or(f64::INFINITY),
+                Stop::Target(target) => {
+                    target.missed_by(&seen(&samples, paths).view).unwrap_or(f64::INFINITY)
+                }
                 stop => missed(stop, error)?,
             };
             rounds.push((paths, missed));
@@ -80,7 +85,7 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         if !samples.iter().all(Sample::is_finite) {
             return Err(DisplayError::NotFinite);
         }
-        Ok((seen(&samples), paths, error, missed, paths_for_a_tenth(&rounds, paths)))
+        Ok((seen(&samples, paths), paths, error, missed, paths_for_a_tenth(&rounds, paths)))
     };
     let (mut views, mut all_paths, mut reached, mut over) = (Vec::new(), 0, 0.0_f64, 0.0_f64);
     let mut for_a_tenth = [0.0; 2];

@@ -6,6 +6,7 @@ mod auto;
 mod brdf;
 mod cone;
 mod filtered;
+mod memory;
 mod progress;
 mod refine;
 mod rounds;
@@ -27,6 +28,7 @@ pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, expected_seconds, forecast};
 pub use brdf::{brdf, brdf_resumed};
 pub use cone::{always_by_adding, cone};
+pub use memory::{expected_bytes, expected_view_bytes};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{Refined, finest, largest, level_error, refine_or_fail};
@@ -337,18 +339,22 @@ impl Run<'_> {
         }
     }
 
-    /// Returns a note on Monte Carlo below thick slabs: replicates without a path that passes do not show it.
-    fn few_paths_below(&self) -> Option<String> {
-        /// Optical thickness from which errors were found too small.
+    /// Returns the optical thickness of slabs that few paths pass.
+    fn thick_slabs(&self) -> Option<f64> {
+        /// Optical thickness from which replicates without a path that passes were found.
         const THICK: f64 = 10.0;
         let slabs = self.scene.display.layers.iter().filter_map(|layer| layer.medium.scattering.as_ref());
         let thickness: f64 = slabs.map(|slab| slab.optical_thickness).sum();
-        (thickness >= THICK).then(|| {
-            format!(
-                "few paths pass slabs of an optical thickness of {thickness:.0}: standard errors of what lies below, such as the pixel's \
-                 part of the energy balance, may be too small; adding has none"
-            )
-        })
+        (thickness >= THICK).then_some(thickness)
+    }
+
+    /// Returns a note on Monte Carlo below thick slabs: replicates without a path that passes do not show it.
+    fn few_paths_below(&self) -> Option<String> {
+        let thickness = self.thick_slabs()?;
+        Some(format!(
+            "few paths pass slabs of an optical thickness of {thickness:.0}: of what lies below, such as the pixel's part of the energy \
+             balance, less than 3 over the number of paths may be missed, which the standard errors there include; adding misses nothing"
+        ))
     }
 
     /// Returns a note on adding if a field of view goes across the end of measured directions, where the light jumps:

@@ -6,13 +6,14 @@
 //! only one view are in memory.
 
 use papilio_sampling::SampleStream;
+use papilio_transport::Top;
 use papilio_transport::walk::{Replicate, Walk};
 use rayon::prelude::*;
 
 use super::rounds::{Confidence, Round, Rounds, meet, missed, paths_for_a_tenth};
 use super::{Progress, REPLICATES, Run};
 use crate::DisplayError;
-use crate::meter::{Sample, ViewSamples};
+use crate::meter::{LeastErrors, Sample, ViewSamples};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Solver, Stop, Strategy};
 use crate::setup::ViewPoint;
@@ -167,8 +168,22 @@ impl<'a> Work<'a> {
         if self.paths < self.least { 1.0 / self.paths as f64 } else { 0.0 }
     }
 
+    /// Returns the smallest standard errors; without a scatterer, the balance is a smooth sum over directions.
+    fn least_errors(&self) -> LeastErrors {
+        let stack = &self.run.setup.stack;
+        let scatters = match stack.panel() {
+            Some(panel) => matches!(panel.top, Top::Diffuser(_)),
+            None => self.walk.rarest() < 1.0,
+        };
+        LeastErrors {
+            relative: self.least_error(),
+            paths: if scatters { self.paths } else { 0 },
+            is_below_slabs: self.run.thick_slabs().is_some(),
+        }
+    }
+
     fn view(&self) -> ViewSamples {
-        self.run.meter.view_of_replicates(self.at, &self.samples, self.least_error(), self.specular)
+        self.run.meter.view_of_replicates(self.at, &self.samples, self.least_errors(), self.specular)
     }
 
     /// Traces paths in small pieces, so that a stop takes effect at once.

@@ -1,6 +1,6 @@
 //! Tests of the standard errors of the Monte Carlo solver, including those of derived metrics: over many
 //! seeds, the deviations from a long run follow the distribution that the errors imply.
-use crate::common::{run, run_on, walked};
+use crate::common::{run, run_on, scenario, walked};
 use papilio_display::result::{RunResult, View};
 
 /// Linear and nonlinear metrics with their standard errors.
@@ -100,4 +100,65 @@ fn run_stops_at_its_stopping_criterion() {
         assert!(worst <= 0.001 * most, "{name}");
         assert!(state.standard_error.Y <= 0.001 * state.value.Y, "{name}");
     }
+}
+
+/// Points that are spread evenly find the part of a lobe that stays in the glass equally often in all replicates: the
+/// balance then has the error of one path, not none. Without a scatterer, it is a smooth sum over directions.
+#[test]
+fn balance_of_evenly_spread_paths_has_the_error_of_one_path() {
+    let mirror = "display.pixel={ model = \"uniform\", kind = \"mirror\", reflectance = { white = 0.5, black = 0.04 } }";
+    let sets = [mirror, "display.front=[]", "spectrum.step_nm=100", "solver.sampler=sobol"];
+    for width in [0.003, 0.006, 0.012] {
+        let lobe = format!(
+            "display.diffuser={{ model = \"k-correlation\", width = {width}, transmittance = 0.56 }}"
+        );
+        let sets = [&sets[..], &[lobe.as_str()]].concat();
+        let by_adding = run(&scenario("indoor", &sets).unwrap().scene).unwrap();
+        let by_paths =
+            run(&walked("indoor", &[&sets[..], &["solver.paths=16384"]].concat()).unwrap().scene).unwrap();
+        for state in ["white", "black"] {
+            let [a, m] = [&by_adding, &by_paths].map(|run| run.views[0].ledger.get(state).unwrap());
+            for (name, exact, value, error) in [
+                ("pixel", a.absorbed.pixel, m.absorbed.pixel, m.standard_error.absorbed.pixel),
+                ("returned", a.returned, m.returned, m.standard_error.returned),
+                ("diffuser", a.absorbed.diffuser, m.absorbed.diffuser, m.standard_error.absorbed.diffuser),
+            ] {
+                let off = (exact - value).abs();
+                assert!(off <= 4.0 * error, "{width} {state} {name}: {off} with {error}");
+                assert!(error > 0.0 && error < 1e-3, "{width} {state} {name}: {error}");
+            }
+        }
+    }
+    let bare = run(&walked("reference-pixel", &["solver.paths=1024", "spectrum.step_nm=100"]).unwrap().scene)
+        .unwrap();
+    let balance = bare.views[0].ledger.get("white").unwrap();
+    assert!(balance.standard_error.absorbed.pixel < 1e-6);
+}
+
+/// Few paths, or none, pass an absorbing slab of an optical thickness of 12: the error of the pixel's part, and of its
+/// light in the view, includes what all may have missed. Adding computes it without paths.
+#[test]
+fn balance_below_thick_slabs_includes_what_all_paths_may_miss() {
+    let slab = "display.diffuser={ model = \"slab\", optical_thickness = 12, albedo = 0.7, anisotropy = 0.5, index = 1.5 }";
+    let paper = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.9, black = 0.05 } }";
+    let sets = [slab, paper, "display.front=[]", "spectrum.step_nm=100"];
+    let by_adding = run(&scenario("indoor", &sets).unwrap().scene).unwrap();
+    let mut none = 0;
+    for seed in 0..4 {
+        let seed = format!("solver.seed={seed}");
+        let more = ["solver.paths=2048", "solver.sampler=sobol", seed.as_str()];
+        let by_paths = run(&walked("indoor", &[&sets[..], &more].concat()).unwrap().scene).unwrap();
+        for state in ["white", "black"] {
+            let [a, m] = [&by_adding, &by_paths].map(|run| run.views[0].ledger.get(state).unwrap());
+            let (exact, value, error) = (a.absorbed.pixel, m.absorbed.pixel, m.standard_error.absorbed.pixel);
+            assert!(exact > 0.0 && exact < 1e-3, "{exact}");
+            none += usize::from(value == 0.0);
+            assert!((exact - value).abs() <= 4.0 * error, "{seed} {state}: {exact} {value} {error}");
+            assert!(error < 2.0 / 2048.0, "{seed} {state}: {error}");
+            let [a, m] = [&by_adding, &by_paths].map(|run| run.views[0].states.get(state).unwrap());
+            let off = (a.value.terms.diffuse - m.value.terms.diffuse).abs();
+            assert!(off <= 4.0 * m.standard_error.terms.diffuse, "{seed} {state}: {off}");
+        }
+    }
+    println!("{none} of 8 balances have no light in the pixel");
 }

@@ -47,6 +47,29 @@ fn maps_and_runs_of_one_preparation_equal_those_of_two() {
     assert!(format!("{:?}", prepared.run(&scene, &control).unwrap()) == first);
 }
 
+/// Where light passes the diffuser unscattered below an environment that depends on azimuth, each direction is prepared
+/// alone: what all azimuths have in common would take gigabytes. The maps are those of single views, for all threads.
+#[test]
+fn maps_of_partly_clear_diffusers_below_a_light_map_equal_single_views() {
+    let sets = ["spectrum.step_nm=100", "display.diffuser.regular_fraction=0.1", "display.diffuser.haze=0.4"];
+    let mut scene = scenario("map", &sets).unwrap().scene;
+    scene.metrics.observer = Standard::Cie1931;
+    scene.solver.method = Method::Adding;
+    scene.solver.stop = Stop::RelativeError { target: 1e-2, per_wavelength: false };
+    let (theta_deg, phi_deg) = ([0.0, 30.0], [0.0, 100.0, 200.0]);
+    let maps = seen(&scene, &theta_deg, &phi_deg, 2);
+    assert_eq!(format!("{maps:?}"), format!("{:?}", seen(&scene, &theta_deg, &phi_deg, 1)));
+    (scene.viewer.theta_deg, scene.viewer.phi_deg) = (theta_deg.to_vec(), phi_deg.to_vec());
+    let views = run_on(&scene, None).unwrap().views;
+    assert_eq!(maps.views.len(), views.len());
+    for (map, view) in maps.views.iter().zip(&views) {
+        for (map, (name, state)) in map.states.iter().zip(view.states.iter()) {
+            let (of_map, of_view) = (map.luminance_cd_m2, state.value.luminance_cd_m2);
+            assert!((of_map / of_view - 1.0).abs() < 2e-2, "{name}: {of_map} {of_view}");
+        }
+    }
+}
+
 /// Outside the measured directions there are no values, even if the front reflects light; inside they are not
 /// affected.
 #[test]

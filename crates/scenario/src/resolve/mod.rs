@@ -41,7 +41,7 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, short_numbers};
 use papilio_display::image::SourceImage;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
@@ -62,11 +62,8 @@ const VISIBLE_NM: (f64, f64) = (380.0, 780.0);
 /// Range with 99.9 % of V(lambda), nm.
 const LUMINOUS_NM: (f64, f64) = (400.0, 700.0);
 
-/// Largest number of values in a result or a pixel table: 80 MB for each quantity.
-const MOST_NUMBERS: usize = 10_000_000;
-
-/// Largest states x wavelengths x (directed sources + 8), which each path and each worker holds.
-const MOST_WORK: usize = 8_000_000;
+/// Most memory of a run, bytes.
+const MOST_BYTES: f64 = 1e9;
 
 /// Largest number of distinct film gaps x wavelengths: each film is tabulated at up to 1088 angles.
 const MOST_FILMS: usize = 100_000;
@@ -173,6 +170,8 @@ pub(crate) fn resolve(
     });
     let Resolver { errors, surfaces, warnings, notes, inputs, .. } = resolver;
     let scene = errors.finish(scene, sources)?;
+    let short = |all: Vec<String>| all.iter().map(|one| short_numbers(one).into_owned()).collect();
+    let (warnings, notes) = (short(warnings), short(notes));
     Ok(Found { scene, patterns, sparkle, image, surfaces, warnings, notes, inputs })
 }
 
@@ -346,7 +345,6 @@ impl Resolver<'_> {
 
     /// Checks that the computation and its result fit into memory.
     fn check_size(&mut self, file: &File, scene: &Scene) {
-        let states = scene.display.state_names().len();
         let bins = scene.grid.len();
         let (step, views_at) = (file.spectrum.step_nm.origin, file.viewer.theta_deg.origin);
         let (step, views_at) =
@@ -357,9 +355,6 @@ impl Resolver<'_> {
                 self.errors.push(at, mistake::too_many(what, count as f64, limit));
             }
         };
-        let parts: usize = scene.lighting.environment.iter().map(|one| one.parts.len()).sum();
-        let sources = scene.lighting.directed.len() + parts + 8;
-        limit(step, "states x wavelengths x (sources + 8)", &[states, bins, sources], MOST_WORK);
         if let scene::Pixel::Film(film) = &scene.display.pixel {
             limit(step, "film gaps x wavelengths", &[film::distinct_gaps(film).len(), bins], MOST_FILMS);
         }
@@ -368,9 +363,19 @@ impl Resolver<'_> {
             _ => 0,
         });
         limit(step, "coating films x wavelengths", &[films.sum(), bins], MOST_FILMS);
-        let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
-        let what = "numbers (views x states x wavelengths)";
-        limit(views_at.or_override([step]), what, &[views, states, bins], MOST_NUMBERS);
+        let bytes = papilio_display::expected_bytes(scene);
+        if bytes > MOST_BYTES {
+            let states = scene.display.state_names().len();
+            let views = scene.viewer.theta_deg.len() * scene.viewer.phi_deg.len();
+            let wrong = Diagnostic::new(format!(
+                "{states} states x {bins} wavelengths in {views} views and the light of {} sources take about {:.1} GB of memory",
+                scene.lighting.source_count(),
+                1e-9 * bytes
+            ));
+            let hint = "use a larger spectrum.step_nm, or fewer views, states or sources; Monte Carlo takes more than adding";
+            let most = format!("at most {:.0} GB", 1e-9 * MOST_BYTES);
+            self.errors.push(views_at.or_override([step]), wrong.expected(most).hint(hint));
+        }
     }
 
     fn err<T>(&mut self, at: &Spanned<T>, mistake: impl Into<Mistake>) {

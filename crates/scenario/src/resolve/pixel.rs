@@ -8,12 +8,15 @@ use papilio_display::scene::{
 use papilio_formats::read_pixel_table;
 use papilio_spectra::Spectrum;
 
-use super::{MOST_NUMBERS, Resolver};
+use super::Resolver;
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
 use crate::mistake::{self, tidy};
 use crate::read::Spanned;
+
+/// Largest number of values in a table of a pixel: 80 MB.
+const MOST_NUMBERS: usize = 10_000_000;
 
 impl Resolver<'_> {
     pub(super) fn pixel(&mut self, pixel: &Spanned<describe::Pixel>) -> Option<Pixel> {

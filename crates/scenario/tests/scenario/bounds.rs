@@ -30,14 +30,31 @@ fn large(states: usize, own_gaps: bool, sources: usize) -> String {
 #[test]
 fn computations_that_are_too_large_are_refused() {
     let step = |nm: f64| format!("spectrum.step_nm={nm}");
-    // 258 states x 301 wavelengths x (95 + 8) = 7 998 774; one lamp more is 8 076 432.
+    // 258 states x 301 wavelengths x (250 + 2500 + 1000 (1 + 9)) bytes are 0.99 GB; one lamp more is 1.07 GB.
     let bare = Path::new("");
-    assert!(problems(&large(250, false, 95), bare, &[&step(1.0)]).is_empty());
-    let refused = resolve(&large(250, false, 96), bare, &[&step(1.0)]).unwrap_err().to_string();
-    for words in
-        ["these are 8076432 states x wavelengths", "at most 8000000", "a larger spectrum.step_nm", "--set #1"]
-    {
-        assert!(refused.contains(words), "{refused}");
+    assert!(problems(&large(250, false, 9), bare, &[&step(1.0)]).is_empty());
+    for (lamps, sets, gigabytes) in [
+        (
+            10,
+            vec![step(1.0)],
+            "258 states x 301 wavelengths in 1 views and the light of 11 sources take about 1.1 GB",
+        ),
+        (
+            9,
+            vec!["viewer.theta_deg=[0, 10, 20]".to_owned(), step(1.0)],
+            "in 3 views and the light of 10 sources take about 1.0 GB",
+        ),
+        (
+            1,
+            vec![step(1.0), "solver.method=monte-carlo".to_owned()],
+            "in 1 views and the light of 2 sources take about 1.3 GB",
+        ),
+    ] {
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let refused = resolve(&large(250, false, lamps), bare, &sets).unwrap_err().to_string();
+        for words in [gigabytes, "at most 1 GB", "a larger spectrum.step_nm", "--set #"] {
+            assert!(refused.contains(words), "{words}: {refused}");
+        }
     }
     // Red's, green's, blue's and dark's gap and 96 more, at 1001 wavelengths: 100 100.
     let text = large(96, true, 1);

@@ -195,6 +195,8 @@ fn lengths_that_look_like_micrometres_are_warned_of() {
     assert!(
         resolve(GOOD, Path::new(""), &["display.pixel.film.0.thickness_nm=0.5"]).unwrap().warnings.is_empty()
     );
+    let tiny = resolve(GOOD, Path::new(""), &["display.pixel.film.0.thickness_nm=1e-300"]).unwrap().warnings;
+    assert!(tiny[0].contains("thickness_nm is 1e-300 nm"), "{tiny:?}");
 }
 
 /// Fringes of thick films over wavelength: the error was found with grids of 0.25 nm (docs/films.md), 2 % of
