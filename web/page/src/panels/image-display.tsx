@@ -113,6 +113,7 @@ export const imageClass = (): string =>
 function which({ isFresh, isFirst, halftone, seen: { head } }: Shown): string {
   const mark = markOf(imageAge.value);
   if (mark) return mark.words;
+  if (head.states.length === 1) return `all of it is in its only state, ${head.states[0]}`;
   if (head.held === null) return "exact colours without a halftone, which no panel of these states can show";
   const room = head.prepared_elsewhere ? "another light (image.prepared_for)" : "this light and view";
   const by = halftoneName(halftone);
