@@ -324,6 +324,16 @@ pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
     Ok(scene)
 }
 
+/// Returns the scene for pictures whose pixels have the colours of pages: as [`of_places`], but bare liquid crystals without lamps, whose images
+/// are drawn apart, are those of `papilio run`.
+///
+/// # Errors
+/// With a polariser or polarised light.
+pub(crate) fn of_pages(scene: &Scene) -> Result<Scene, DisplayError> {
+    let places = of_places(scene)?;
+    Ok(if is_whole(scene) && scene.lighting.directed.is_empty() { scene.clone() } else { places })
+}
+
 /// Returns a note if light with its places counts as unpolarised after each of several meetings with faces or films.
 pub fn note_of_places(scene: &Scene) -> Option<String> {
     let meets_several = || match Meetings::of(scene) {

@@ -80,6 +80,15 @@ impl Prepared {
         self.setup_towards(scene, Towards::All, control)
     }
 
+    /// The scene, prepared for its views and the mirror images of its lamps.
+    pub(crate) fn setup_of_views(
+        &mut self,
+        scene: &Scene,
+        control: &Control<'_>,
+    ) -> Result<&Setup, DisplayError> {
+        self.setup_towards(scene, Towards::Views, control)
+    }
+
     fn setup_towards(
         &mut self,
         scene: &Scene,

@@ -240,18 +240,13 @@ impl Setup {
         Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 
-    /// Updates the setup for another scene. The result equals `new(scene)`, but parts that are still valid
+    /// Updates the setup for another scene, of whose pixel these directions need be known. The result equals `towards(scene)`, but parts that are still valid
     /// are reused, and the version counters are incremented for the parts that changed.
     ///
     /// Another grid, angle medium or approximation invalidates everything. Otherwise the base depends on the
     /// pixel and the index above it, the stack on the layers, the sources on the lighting, the observer and
     /// that index, and the views on the viewer and that index. `version` is not incremented if new lighting
     /// has the same sources, that is, differs only in spectra and illuminances.
-    pub(crate) fn renewed(self, scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
-        self.renewed_towards(scene, Towards::All, control)
-    }
-
-    /// Updates the setup in the same way, for a pixel that need only be known towards these directions.
     pub(crate) fn renewed_towards(
         mut self,
         scene: &Scene,

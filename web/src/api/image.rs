@@ -219,7 +219,8 @@ fn brought(
     let ImageRequest { source, settings, .. } = resolved.image.take().ok_or_else(no_picture)?;
     let (scene, source) = (&resolved.scene, reduced(source, MOST_SIDES));
     let fault = |error: DisplayError| Fault::of(&resolved, error);
-    if settings.halftone == Halftone::None && settings.given.is_none() {
+    let has_one_state = scene.display.state_names().len() == 1;
+    if settings.halftone == Halftone::None && settings.given.is_none() && !has_one_state {
         check_lights(scene)?;
         let compute = |prepared: &mut _| exact(scene, &source, &settings, prepared, control);
         let found = site.prepared().with(scene, control, compute);
@@ -232,8 +233,8 @@ fn brought(
     let picture = match site.held().get(&key) {
         Some(picture) => picture,
         None => {
-            let picture = HeldPicture::new(scene, &source, &settings, control);
-            let picture = Arc::new(picture.map_err(fault)?);
+            let decide = |prepared: &mut _| HeldPicture::with(scene, &source, &settings, prepared, control);
+            let picture = Arc::new(site.prepared().with(scene, control, decide).map_err(fault)?);
             site.held().insert(key.clone(), picture.clone());
             picture
         }

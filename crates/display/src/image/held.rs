@@ -11,7 +11,7 @@ use super::search::REACH_OF_LAYERS;
 use super::{ImageSettings, PictureSurround, SourceImage};
 use crate::DisplayError;
 use crate::palette::Palette;
-use crate::polarisation::of_places;
+use crate::polarisation::of_pages;
 use crate::prepared::Prepared;
 use crate::result::RunResult;
 use crate::run::Control;
@@ -97,14 +97,14 @@ impl Lit {
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
-        let scene = &of_places(scene)?;
+        let scene = &of_pages(scene)?;
         let view = SingleView::of(&scene.viewer, "a picture")?;
         let result = prepared.run(scene, control)?;
         let no_white = DisplayError::NoWhite { what: "a picture" };
         let palette = Palette::of(&result, 0).ok_or(no_white)?.with_states(&settings.states)?;
         let [x, y, z] = palette.white_XYZ;
         control.check()?;
-        let setup = prepared.setup(scene, control)?.clone();
+        let setup = prepared.setup_of_views(scene, control)?.clone();
         Ok(Self { setup, view, result, palette, white: Xyz { x, y, z } })
     }
 }
@@ -177,7 +177,8 @@ impl Brought {
 }
 
 impl HeldPicture {
-    /// Decides the states of a picture in the light and view of a scene, or in those of the settings' `prepared_for`.
+    /// Decides the states of a picture in the light and view of a scene, or in those of the settings' `prepared_for`. A display of one state
+    /// shows it everywhere.
     ///
     /// # Errors
     /// As [`image`](super::image); if the settings have no halftone.
@@ -190,18 +191,25 @@ impl HeldPicture {
         Self::with(scene, source, settings, &mut Prepared::empty(), control)
     }
 
-    /// [`new`](Self::new) with a prepared display.
-    pub(super) fn with(
+    /// [`new`](Self::new) with a prepared display, which is quicker for one that was computed before.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn with(
         scene: &Scene,
         source: &SourceImage,
         settings: &ImageSettings,
         prepared: &mut Prepared,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
+        let size = source.size_on(scene)?;
+        if let [only] = &scene.display.state_names()[..] {
+            let (states, names) = (vec![0; size[0] * size[1]], vec![only.clone()]);
+            return Ok(Self { size, states, names, surround: settings.surround });
+        }
         if settings.halftone == Halftone::None && settings.given.is_none() {
             return Err(DisplayError::NoHalftone);
         }
-        let size = source.size_on(scene)?;
         let lights = if settings.prepared_for.is_empty() {
             std::slice::from_ref(scene)
         } else {

@@ -16,7 +16,7 @@ use crate::DisplayError;
 use crate::lamp_images::whole;
 use crate::run::Control;
 use crate::scene::{AngleMedium, DirectedLight};
-use crate::setup::Setup;
+use crate::setup::{Setup, Towards};
 
 /// Half of the angle across the disc with which collimated light is drawn, degrees. It has no luminance: that
 /// of the disc is its illuminance over the disc's projected solid angle.
@@ -51,6 +51,9 @@ pub(super) fn drawn_lamps(
     control: &Control<'_>,
 ) -> Result<Vec<LampImage>, DisplayError> {
     let scene = &setup.scene;
+    if scene.lighting.directed.is_empty() {
+        return Ok(Vec::new());
+    }
     let mut drawn = scene.clone();
     for light in &mut drawn.lighting.directed {
         // Near the horizon, the disc is smaller.
@@ -63,7 +66,7 @@ pub(super) fn drawn_lamps(
             .and_then(|number| scene.lighting.directed.get(number))
             .is_some_and(|one| one.radius_deg.is_none())
     };
-    let images = lamp_images(&setup.clone().renewed(&drawn, control)?, states);
+    let images = lamp_images(&setup.clone().renewed_towards(&drawn, Towards::Views, control)?, states);
     Ok(images.into_iter().map(|one| LampImage { is_collimated: is_collimated(&one), ..one }).collect())
 }
 

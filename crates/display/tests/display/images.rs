@@ -505,3 +505,27 @@ fn assert_picture_is_that_of_paths(side: usize) {
         assert!(errors < 0.02 * white, "{layers}{pixel}: the errors of paths, {errors}, hide everything");
     }
 }
+
+/// A circular polariser over a mirror has one state: no picture, but what `run` computes, with the polarisation of the light.
+#[test]
+fn a_display_of_one_state_shows_it_everywhere() {
+    let crystal = "[display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Ag\"\nstack = [\n  { kind = \"polariser\", axis_deg = 0, transmittance = 0.499, extinction = 1e-4 },\n  { kind = \"retarder\", axis_deg = 45, retardance_nm = 137.5 },\n]\n";
+    let diffuse = "[lighting]\nilluminance_lx = 500\nspectrum = \"A\"\ndiffuse = 1.0\n";
+    let one = scene(&[GLASS, crystal, diffuse, VIEW]);
+    for halftone in [Halftone::default(), Halftone::None] {
+        let settings = ImageSettings { halftone, ..ImageSettings::default() };
+        let held = control(|control| HeldPicture::new(&one, &ramp(), &settings, control));
+        assert!(held.names.len() == 1 && held.states == vec![0; ramp().pixels.len()]);
+        for theta_deg in [8.0, 50.0] {
+            let mut there = one.clone();
+            there.viewer.theta_deg = vec![theta_deg];
+            let seen = control(|control| held.factors(&there, control));
+            let run = control(|control| papilio_display::run(&there, control));
+            let page = run.views[0].states.get(&held.names[0]).unwrap().value.Y;
+            for pixel in 0..held.states.len() {
+                let sum: f64 = seen.lights.iter().map(|light| f64::from(light.pixels[pixel][1])).sum();
+                assert!((sum - page).abs() < 1e-5 * page, "{theta_deg}: {sum}, a page {page}");
+            }
+        }
+    }
+}

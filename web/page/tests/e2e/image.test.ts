@@ -5,7 +5,7 @@ import { after, afterEach, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { choose, downloaded, example, itemsOf, settled, stage, type Stage } from "./stage.ts";
+import { choose, downloaded, example, itemsOf, settled, stage, tool, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -350,4 +350,15 @@ test("photograph of 24 megapixels is reduced by the browser", { timeout: 240_000
   await page.locator(".said", { hasText: "it was reduced to 4242 × 2828 pixels" }).waitFor({ timeout: 60_000 });
   await page.getByText("photo.jpg: 480 × 320 pixels").waitFor({ timeout: 120_000 });
   assert.deepEqual(on.complaints.splice(0), []);
+});
+
+test("display of one state is shown in it, without a halftone", { timeout: 120_000 }, async () => {
+  const page = await on.visit();
+  for (const name of ["circular-polariser", "etched-grades"]) {
+    await example(page, name);
+    await tool(page, "stage");
+    await page.locator('.seen-display[data-age="current"] figcaption', { hasText: "all of it is in its only state" }).waitFor({ timeout: 60_000 });
+  }
+  assert.deepEqual(on.complaints.splice(0), []);
+  await page.context().close();
 });
