@@ -240,14 +240,19 @@ impl SpatialOutput for ImageOutput {
         all
     }
 
-    /// The largest file is written while the others are.
+    /// The largest file and the states are written while the others are.
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         frame::remove_old(folder)?;
         std::thread::scope(|scope| {
             let linear = scope.spawn(|| self.write_linear(folder));
-            let names = self.write_others(folder);
+            let states = scope.spawn(|| self.write_states(folder));
+            let names = self.write_seen(folder);
             linear.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-            names
+            let states = states.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            let mut names = names?;
+            names.push(LINEAR.to_owned());
+            names.extend(states);
+            Ok(names)
         })
     }
 
@@ -277,9 +282,8 @@ impl ImageOutput {
         })?)
     }
 
-    /// Writes all but the file of linear light, and returns the names of all.
-    fn write_others(&self, folder: &Path) -> Result<Vec<String>, Failure> {
-        let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
+    /// Writes pictures of what is seen, and returns their names.
+    fn write_seen(&self, folder: &Path) -> Result<Vec<String>, Failure> {
         let [across, _] = self.here.seen_size();
         let mut names = Vec::new();
         let mut png = |name: String, columns: usize, pixels: &[[u8; 3]]| {
@@ -297,7 +301,13 @@ impl ImageOutput {
             let (columns, pixels) = self.side_by_side()?;
             png("rooms.png".to_owned(), columns, &pixels)?;
         }
-        names.push(LINEAR.to_owned());
+        Ok(names)
+    }
+
+    /// Writes what the panel is sent, and returns the names of the files.
+    fn write_states(&self, folder: &Path) -> Result<Vec<String>, Failure> {
+        let ImageResult { size: [columns, _], states, palette, .. } = &self.here;
+        let mut names = Vec::new();
         if !states.is_empty() {
             let colours = palette.colours.iter();
             let shown = |one: &PaletteColour| {

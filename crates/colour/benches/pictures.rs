@@ -61,7 +61,8 @@ fn row_by_row(bencher: Bencher<'_, '_>) {
         picture(number).pixels().map(|pixel| pixel.map(|value| value as f32)).collect::<Vec<_>>()
     });
     let [own, one, other] = pictures.each_ref().map(Vec::as_slice);
-    let reader = Reader { white: D65_WHITE, per_degree: PIXELS_PER_DEGREE, coloured: [8.0, 2.0], window: 6 };
+    let reader =
+        Reader { white: D65_WHITE, per_degree: PIXELS_PER_DEGREE, coloured: [8.0, 2.0], window: 6, step: 1 };
     bencher.bench_local(|| {
         black_box(compared(own, [one, other].map(MappedPicture::from), SIZE[0], reader, 1).unwrap())
     });

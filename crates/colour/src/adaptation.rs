@@ -44,6 +44,11 @@ impl Adaptation {
         })
     }
 
+    /// The matrix.
+    pub(crate) fn matrix(&self) -> &Matrix {
+        &self.matrix
+    }
+
     /// Returns the corresponding colour in the other light.
     pub fn apply(&self, colour: Xyz) -> Xyz {
         let [x, y, z] = times(&self.matrix, colour.to_array());

@@ -12,6 +12,11 @@ pub(crate) const fn times(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     ]
 }
 
+/// Product of two matrices.
+pub(crate) fn product(one: &Matrix, other: &Matrix) -> Matrix {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| one[i][k] * other[k][j]).sum()))
+}
+
 /// Vector product; the transposed inverse of a matrix consists of those of its rows, over the determinant.
 pub(crate) const fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

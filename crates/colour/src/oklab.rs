@@ -17,19 +17,19 @@ use crate::Xyz;
 use crate::matrix::{Matrix, inverse, times};
 
 /// Matrix from X, Y, Z to the cone responses.
-const TO_CONES: Matrix = [
+pub(crate) const TO_CONES: Matrix = [
     [0.818_933_010_1, 0.361_866_742_4, -0.128_859_713_7],
     [0.032_984_543_6, 0.929_311_871_5, 0.036_145_638_7],
     [0.048_200_301_8, 0.264_366_269_1, 0.633_851_707_0],
 ];
 /// Matrix from the cube roots of the cone responses to L, a, b.
-const TO_LAB: Matrix = [
+pub(crate) const TO_LAB: Matrix = [
     [0.210_454_255_3, 0.793_617_785_0, -0.004_072_046_8],
     [1.977_998_495_1, -2.428_592_205_0, 0.450_593_709_9],
     [0.025_904_037_1, 0.782_771_766_2, -0.808_675_766_0],
 ];
-const FROM_CONES: Matrix = inverse(&TO_CONES);
-const FROM_LAB: Matrix = inverse(&TO_LAB);
+pub(crate) const FROM_CONES: Matrix = inverse(&TO_CONES);
+pub(crate) const FROM_LAB: Matrix = inverse(&TO_LAB);
 
 /// A colour in Oklab.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -37,7 +37,8 @@ pub fn fitted(
         return Vec::new();
     }
     if from == to {
-        let whole: Vec<[f32; 3]> = (0..from[1]).flat_map(row).collect();
+        let mut whole = Vec::with_capacity(from[0] * from[1]);
+        (0..from[1]).for_each(|y| whole.extend(row(y)));
         return if whole.len() == from[0] * from[1] { whole } else { Vec::new() };
     }
     let ratio = [0, 1].map(|k| to[k] as f64 / from[k] as f64);

@@ -8,6 +8,8 @@
 //!
 //! Colours are encoded bytes, so that rounding of resized pictures does not matter. Nothing depends on threads.
 
+use std::cell::OnceCell;
+
 use crate::ImagingError;
 use crate::halftone::check_rows;
 
@@ -26,8 +28,8 @@ const LEAST_AREA: usize = 256;
 pub struct Areas<'a> {
     colours: &'a [[u8; 3]],
     columns: usize,
-    /// The first pixel of the area of each pixel.
-    first: Vec<u32>,
+    /// The first pixel of the area of each pixel, when it is needed.
+    first: OnceCell<Vec<u32>>,
     /// Whether all neighbours of a pixel have its colour.
     inner: Vec<bool>,
 }
@@ -39,23 +41,28 @@ impl<'a> Areas<'a> {
     /// If the number of pixels is not a multiple of `columns`.
     pub fn new(colours: &'a [[u8; 3]], columns: usize) -> Result<Self, ImagingError> {
         check_rows(colours.len(), columns)?;
-        let first = joined(colours.len(), columns, |one, other| colours[one] == colours[other]);
-        let inner = inner(colours, columns);
-        Ok(Self { colours, columns, first, inner })
+        Ok(Self { colours, columns, first: OnceCell::new(), inner: inner(colours, columns) })
+    }
+
+    fn first(&self) -> &[u32] {
+        self.first.get_or_init(|| {
+            joined(self.colours.len(), self.columns, |one, other| self.colours[one] == self.colours[other])
+        })
     }
 
     /// Whether each pixel belongs to an area that is wider than a line: with an inner pixel.
     pub fn solid(&self) -> Vec<bool> {
-        let mut is_solid = vec![false; self.first.len()];
-        for (first, inner) in self.first.iter().zip(&self.inner) {
+        let first = self.first();
+        let mut is_solid = vec![false; first.len()];
+        for (first, inner) in first.iter().zip(&self.inner) {
             is_solid[*first as usize] |= inner;
         }
-        self.first.iter().map(|first| is_solid[*first as usize]).collect()
+        first.iter().map(|first| is_solid[*first as usize]).collect()
     }
 
     /// Whether the area of each pixel has at least this number of pixels.
     pub fn with_pixels(&self, least: usize) -> Vec<bool> {
-        large(&self.first, least)
+        large(self.first(), least)
     }
 
     /// Whether each pixel belongs to a drawing.
@@ -79,41 +86,73 @@ impl<'a> Areas<'a> {
 
     /// Whether each pixel belongs to a flat area.
     fn flat(&self) -> Vec<bool> {
-        let mut areas = vec![0_u32; self.first.len()];
-        for (first, _) in self.first.iter().zip(&self.inner).filter(|(_, inner)| **inner) {
-            areas[*first as usize] += 1;
-        }
-        // Areas that are large enough are few: they have numbers from 1 on, and the others 0.
-        let mut count = 0;
-        for area in &mut areas {
-            let is_large = *area >= LEAST_INNER;
-            count += u32::from(is_large);
-            *area = if is_large { count } else { 0 };
-        }
+        // Areas that are large enough have numbers from 1 on, all others 0.
+        let areas = self.large_areas();
+        let count = areas.iter().fold(0, |most, area| most.max(*area));
         if count == 0 {
-            return vec![false; self.first.len()];
+            return vec![false; areas.len()];
         }
         // Soft and hard steps at their borders.
         let mut steps = vec![[0_u32; 2]; count as usize + 1];
-        for_each_pair(self.first.len(), self.columns, |at, next| {
-            let [one, other] = [at, next].map(|at| self.first[at]);
+        for_each_pair(areas.len(), self.columns, |at, next| {
+            let [one, other] = [at, next].map(|at| areas[at]);
             if one != other {
-                let [one, other] = [one, other].map(|first| areas[first as usize]);
-                if one.max(other) > 0 {
-                    let [here, there] = [at, next].map(|at| self.colours[at]);
-                    let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
-                    [one, other]
-                        .iter()
-                        .for_each(|area| steps[*area as usize][usize::from(largest > SOFT)] += 1);
-                }
+                let [here, there] = [at, next].map(|at| self.colours[at]);
+                let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
+                [one, other].iter().for_each(|area| steps[*area as usize][usize::from(largest > SOFT)] += 1);
             }
         });
-        let is_flat = |first: &u32| {
-            let area = areas[*first as usize] as usize;
-            let [soft, hard] = steps[area].map(f64::from);
-            area > 0 && soft <= SOFT_PART * (soft + hard)
+        let is_flat = |area: &u32| {
+            let [soft, hard] = steps[*area as usize].map(f64::from);
+            *area > 0 && soft <= SOFT_PART * (soft + hard)
         };
-        self.first.iter().map(is_flat).collect()
+        areas.iter().map(is_flat).collect()
+    }
+
+    /// Number of the area of each pixel among those with enough inner pixels, from 1 on; 0 for all others. Only areas with an inner pixel
+    /// are walked through: a photograph has few.
+    fn large_areas(&self) -> Vec<u32> {
+        const UNKNOWN: u32 = u32::MAX;
+        let mut areas = vec![UNKNOWN; self.colours.len()];
+        let (mut count, mut inside, mut next) = (0, Vec::new(), Vec::new());
+        for start in (0..areas.len()).filter(|at| self.inner[*at]) {
+            if areas[start] != UNKNOWN {
+                continue;
+            }
+            inside.clear();
+            next.push(start);
+            areas[start] = 0;
+            let mut inner = 0;
+            while let Some(at) = next.pop() {
+                inside.push(at);
+                inner += u32::from(self.inner[at]);
+                let x = at % self.columns;
+                let mut visit = |other: usize| {
+                    if areas[other] == UNKNOWN && self.colours[other] == self.colours[at] {
+                        areas[other] = 0;
+                        next.push(other);
+                    }
+                };
+                if x > 0 {
+                    visit(at - 1);
+                }
+                if x + 1 < self.columns {
+                    visit(at + 1);
+                }
+                if at >= self.columns {
+                    visit(at - self.columns);
+                }
+                if at + self.columns < self.colours.len() {
+                    visit(at + self.columns);
+                }
+            }
+            if inner >= LEAST_INNER {
+                count += 1;
+                inside.iter().for_each(|at| areas[*at] = count);
+            }
+        }
+        areas.iter_mut().filter(|area| **area == UNKNOWN).for_each(|area| *area = 0);
+        areas
     }
 }
 
@@ -161,22 +200,42 @@ fn joined(pixels: usize, columns: usize, is_same: impl Fn(usize, usize) -> bool)
 
 /// Whether the neighbours of each pixel have its colour; beyond the borders all have.
 fn inner(colours: &[[u8; 3]], columns: usize) -> Vec<bool> {
-    let mut differs = vec![false; colours.len()];
-    let rows = colours.len() / columns;
-    for y in 0..rows {
-        for x in 0..columns {
-            let at = y * columns + x;
-            // Right, below, and both diagonals below.
-            for (right, down) in [(1, 0), (0, 1), (1, 1), (-1, 1)] {
-                let (x, y) = (x.wrapping_add_signed(right), y + down);
-                if x < columns && y < rows && colours[y * columns + x] != colours[at] {
-                    differs[at] = true;
-                    differs[y * columns + x] = true;
-                }
-            }
+    let mut inner = vec![true; colours.len()];
+    // A colour as one number, so that vectors compare them.
+    let numbers = |row: &[[u8; 3]], into: &mut Vec<u32>| {
+        into.clear();
+        into.extend(row.iter().map(|[red, green, blue]| u32::from_be_bytes([0, *red, *green, *blue])));
+    };
+    let (mut above, mut row) = (Vec::new(), Vec::new());
+    for (y, line) in colours.chunks_exact(columns).enumerate() {
+        numbers(line, &mut row);
+        let (before, here) = inner.split_at_mut(y * columns);
+        let here = &mut here[..columns];
+        equal(&row[..columns - 1], &row[1..], |at, is_equal| {
+            here[at] &= is_equal;
+            here[at + 1] &= is_equal;
+        });
+        if y > 0 {
+            let before = &mut before[(y - 1) * columns..];
+            let mut pair = |[upper, lower]: [usize; 2], count: usize| {
+                equal(&above[upper..][..count], &row[lower..][..count], |at, is_equal| {
+                    before[upper + at] &= is_equal;
+                    here[lower + at] &= is_equal;
+                });
+            };
+            pair([0, 0], columns);
+            pair([0, 1], columns - 1);
+            pair([1, 0], columns - 1);
         }
+        std::mem::swap(&mut above, &mut row);
     }
-    differs.into_iter().map(|differs| !differs).collect()
+    inner
+}
+
+/// Calls a function with each place, and whether both numbers there are equal.
+#[inline(always)]
+fn equal(one: &[u32], other: &[u32], mut found: impl FnMut(usize, bool)) {
+    one.iter().zip(other).enumerate().for_each(|(at, (one, other))| found(at, one == other));
 }
 
 /// Morphological closing by a square: gaps of up to twice the reach are filled. Beyond the borders all continues.
@@ -242,6 +301,37 @@ mod tests {
         assert_eq!(count(&drawing(|x, y| if (x / 20 + y / 25) % 2 == 0 { 30 } else { 90 })), all);
         // Lines of one pixel in many tones on a flat ground, as antialiased text has.
         assert_eq!(count(&drawing(|x, y| if x % 9 == 3 { (40 + y) as u8 } else { 255 })), all);
+    }
+
+    /// Large areas and inner pixels are those of their definitions.
+    #[test]
+    fn large_areas_are_those_of_joined_pixels() {
+        let mut dice = Dice::new(6, 0);
+        for (columns, blocks) in [(40, 4), (37, 3), (1, 1), (90, 9)] {
+            let tones: Vec<u8> = (0..900).map(|_| dice.below(3) as u8).collect();
+            let colours: Vec<[u8; 3]> = (0..columns * 30)
+                .map(|at| [tones[(at % columns / blocks + at / columns / blocks * 30) % 900], 7, 9])
+                .collect();
+            let areas = Areas::new(&colours, columns).unwrap();
+            let rows = colours.len() / columns;
+            for (at, inner) in areas.inner.iter().enumerate() {
+                let (x, y) = (at % columns, at / columns);
+                let near = (y.saturating_sub(1)..(y + 2).min(rows))
+                    .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| y * columns + x));
+                assert_eq!(*inner, near.clone().all(|other| colours[other] == colours[at]), "{columns} {at}");
+            }
+            let first = areas.first();
+            let mut counts = vec![0; first.len()];
+            first
+                .iter()
+                .zip(&areas.inner)
+                .for_each(|(first, inner)| counts[*first as usize] += u32::from(*inner));
+            let found = areas.large_areas();
+            for (at, area) in found.iter().enumerate() {
+                assert_eq!(*area > 0, counts[first[at] as usize] >= LEAST_INNER, "{columns} {at}");
+                assert_eq!(*area, found[first[at] as usize]);
+            }
+        }
     }
 
     /// A photograph in a drawing has its own borders, and none of its pixels are of the drawing.

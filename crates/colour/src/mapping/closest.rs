@@ -139,7 +139,7 @@ impl GamutMapping {
     }
 
     /// Lightness of the white in the space of the mapping.
-    fn unit(&self) -> f64 {
+    pub(super) fn unit(&self) -> f64 {
         self.mixtures.last().map_or(1.0, |(lightness, _)| *lightness)
     }
 }

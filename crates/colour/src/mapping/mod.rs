@@ -35,6 +35,7 @@
 mod closest;
 mod intent;
 mod lattice;
+mod several;
 mod source;
 mod space;
 mod table;
@@ -44,6 +45,7 @@ mod tone;
 
 pub use intent::{DisplayColours, Intent, MapSpace};
 pub use lattice::ClosestLattice;
+pub use several::{Placed, SEVERAL};
 pub use source::SourceSpace;
 pub use table::{GamutTable, TableError};
 pub use tone::Tone;
@@ -51,6 +53,7 @@ pub use tone::Tone;
 use crate::matrix::{Matrix, cross, dot, times};
 use crate::states::StateHull;
 use crate::{Adaptation, ColourError, D65_WHITE, Xyz};
+use several::Matrices;
 use space::Space;
 
 /// Steps of a bisection: the border of the hull is found to 2^-32 of the way.
@@ -71,6 +74,8 @@ pub struct GamutMapping {
     greys: Vec<(f64, Xyz)>,
     /// The same of the mixtures of black and white.
     mixtures: Vec<(f64, Xyz)>,
+    /// Of Oklab, for many colours at once.
+    matrices: Option<Matrices>,
 }
 
 impl GamutMapping {
@@ -97,9 +102,11 @@ impl GamutMapping {
         let space = Space::new(space, reference).ok_or(refused)?;
         let source = source.matrix();
         let (greys, mixtures) = (Vec::new(), Vec::new());
-        let mut mapping = Self { intent, hull, display, space, source, adaptation, greys, mixtures };
+        let mut mapping =
+            Self { intent, hull, display, space, source, adaptation, greys, mixtures, matrices: None };
         mapping.greys = (0..=GREYS).map(|step| mapping.grey(step)).collect();
         mapping.mixtures = (0..=GREYS).map(|step| mapping.mixture(step)).collect();
+        mapping.matrices = mapping.matrices();
         Ok(mapping)
     }
 

@@ -1,6 +1,7 @@
 //! The space in which hue is constant, relative to a white of the display.
 
 use super::MapSpace;
+use crate::matrix::Matrix;
 use crate::{Adaptation, Cam16Ucs, Oklab, Xyz};
 
 /// Conversions between colours of the display and lightness and two chromatic coordinates; the white has no
@@ -28,6 +29,11 @@ impl Space {
         };
         let to_model = Adaptation::between(white, neutral)?;
         Some(Self { to_model, from_model: Adaptation::between(neutral, white)?, cam16 })
+    }
+
+    /// The matrices to and from the X, Y, Z of Oklab; `None` in another space.
+    pub(super) fn oklab_matrices(&self) -> Option<[Matrix; 2]> {
+        self.cam16.is_none().then(|| [*self.to_model.matrix(), *self.from_model.matrix()])
     }
 
     /// Lightness and two chromatic coordinates; of a colour outside the model, those of black.

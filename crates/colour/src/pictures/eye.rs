@@ -1,13 +1,13 @@
 //! The filters of a reader: S-CIELAB's by small kernels and on blocks of pixels, and those of FLIP.
 
 use std::f64::consts::{LN_2, PI};
-use std::ops::Range;
 
-use papilio_fourier::{Separable, filtered};
+use pulp::NullaryFnOnce;
 
 use super::difference::Hues;
 use super::flip_rows::FlipEye;
 use super::mapped::{MappedPicture, SingleMap};
+use super::rows::samples;
 use super::scielab::{FILTERS, OPPONENT, gaussian};
 use super::stripes::Reader;
 use crate::matrix::{Matrix, inverse};
@@ -33,6 +33,9 @@ pub(super) struct Eye {
     pub(super) reader: Reader,
     pub(super) columns: usize,
     pub(super) rows: usize,
+    /// Samples along a row, and rows with samples.
+    pub(super) across: usize,
+    pub(super) down: usize,
     /// From X, Y, Z to opponent colours.
     opponent: [[f32; 3]; 3],
     /// From opponent colours to X, Y, Z relative to the white.
@@ -41,6 +44,8 @@ pub(super) struct Eye {
     screen: [[f32; 3]; 3],
     /// Narrow kernels of each opponent colour, from the middle to one side.
     pub(super) narrow: [Vec<Vec<f32>>; 3],
+    /// Wide kernels of each opponent colour, in blocks, with their weights.
+    wide: [Vec<(f32, Vec<f32>)>; 3],
     /// Side of the blocks of wide filters, pixels.
     pub(super) block: usize,
     /// Rows and columns that a narrow kernel reaches.
@@ -74,11 +79,35 @@ impl Eye {
         });
         let widest = FILTERS.iter().copied().flatten().map(|(width, _)| *width).filter(|one| is_wide(*one));
         let sigma = widest.fold(f64::INFINITY, f64::min) * per_degree / (8.0 * LN_2).sqrt();
-        let block = 1 << ((sigma / 3.0).max(1.0).log2() as u32).min(5);
+        let block = 1 << ((sigma / LEAST_IN_BLOCKS).max(1.0).log2() as u32).min(5);
+        let wide = FILTERS.map(|filter| {
+            let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
+            let kernels = filter.iter().filter(|(width, _)| is_wide(*width));
+            let of = |(width, weight): &(f64, f64)| {
+                ((weight / total) as f32, wide_kernel(*width, per_degree, block))
+            };
+            kernels.map(of).collect()
+        });
         let reach = narrow.iter().flatten().map(|kernel| kernel.len() - 1).max().unwrap_or(0);
         let (opponent, back) = (single(opponent), single(back));
         let (hues, flip) = (Hues::new(), FlipEye::new(per_degree));
-        Self { reader, columns, rows, opponent, back, screen, narrow, block, reach, hues, flip }
+        let (across, down) = (columns / reader.step, rows / reader.step);
+        Self {
+            reader,
+            columns,
+            rows,
+            across,
+            down,
+            opponent,
+            back,
+            screen,
+            narrow,
+            wide,
+            block,
+            reach,
+            hues,
+            flip,
+        }
     }
 
     pub(super) fn source<'a>(&self, picture: &MappedPicture<'a>, coarse: [&'a [f32]; 3]) -> Source<'a> {
@@ -91,72 +120,114 @@ impl Eye {
         Source { pixels, coarse, opponent, relative, screen }
     }
 
-    /// Means of blocks of opponent colours, after the wide filters: of the first two, or of the third.
-    pub(super) fn coarse(
-        &self,
-        MappedPicture { pixels, map }: &MappedPicture<'_>,
-        numbers: Range<usize>,
-    ) -> Vec<Vec<f32>> {
-        let opponent = map.then(&self.opponent);
-        let block = self.block;
-        let [across, down] = [self.columns, self.rows].map(|count| count.div_ceil(block));
-        let mut planes = [0; 2].map(|_| Vec::new());
-        planes.iter_mut().take(numbers.len()).for_each(|plane| *plane = vec![0.0_f64; across * down]);
-        let mirrored =
-            |at: usize, count: usize| if at < count { at } else { (2 * count - 1 - at).min(count - 1) };
-        let scale = 1.0 / (block * block) as f64;
+    /// The row of a sample, and the first column with one.
+    #[inline(always)]
+    pub(super) fn sample(&self, number: usize) -> (usize, usize) {
+        let [row, column] = samples(number, self.reader.step);
+        (number * self.reader.step + row, column)
+    }
+
+    /// Means of blocks of opponent colours, after the wide filters.
+    pub(super) fn coarse(&self, picture: MappedPicture<'_>) -> [Vec<f32>; 3] {
+        pulp::Arch::new().dispatch(Coarse { eye: self, picture })
+    }
+}
+
+/// The wide blur of a picture.
+struct Coarse<'a> {
+    eye: &'a Eye,
+    picture: MappedPicture<'a>,
+}
+
+/// Place in a row of `count` that continues as its mirror image, and so on.
+#[inline(always)]
+fn mirrored(at: isize, count: usize) -> usize {
+    let at = at.rem_euclid(2 * count as isize) as usize;
+    at.min(2 * count - 1 - at)
+}
+
+impl NullaryFnOnce for Coarse<'_> {
+    type Output = [Vec<f32>; 3];
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { eye, picture: MappedPicture { pixels, map } } = self;
+        let opponent = map.then(&eye.opponent);
+        let block = eye.block;
+        let [across, down] = [eye.columns, eye.rows].map(|count| count.div_ceil(block));
+        let mut planes = [0; 3].map(|_| vec![0.0_f32; across * down]);
+        let scale = 1.0 / (block * block) as f32;
         let mut sums = vec![[0.0_f32; 3]; across * block];
         for row in 0..down {
             sums.fill([0.0; 3]);
             for y in row * block..(row + 1) * block {
-                let line = &pixels[mirrored(y, self.rows) * self.columns..][..self.columns];
+                let line = &pixels[mirrored(y as isize, eye.rows) * eye.columns..][..eye.columns];
                 let values = sums.as_flattened_mut().iter_mut().zip(line.as_flattened());
                 values.for_each(|(sum, value)| *sum += value);
             }
-            for x in self.columns..across * block {
-                sums[x] = sums[mirrored(x, self.columns)];
+            for x in eye.columns..across * block {
+                sums[x] = sums[mirrored(x as isize, eye.columns)];
             }
             for (column, sums) in sums.chunks_exact(block).enumerate() {
-                let mut sum = [0.0_f64; 3];
+                let mut sum = [0.0_f32; 3];
                 for one in sums {
-                    (0..3).for_each(|k| sum[k] += f64::from(one[k]));
+                    (0..3).for_each(|k| sum[k] += one[k]);
                 }
-                for (plane, k) in planes.iter_mut().zip(numbers.clone()) {
-                    let mean: f64 = (0..3).map(|j| f64::from(opponent.matrix[k][j]) * (sum[j] * scale)).sum();
-                    plane[row * across + column] = mean + f64::from(opponent.offset[k]);
+                for (k, plane) in planes.iter_mut().enumerate() {
+                    let mean: f32 = (0..3).map(|j| opponent.matrix[k][j] * (sum[j] * scale)).sum();
+                    plane[row * across + column] = mean + opponent.offset[k];
                 }
             }
         }
-        let transfers: Vec<Vec<Separable>> = numbers.map(|k| self.wide(FILTERS[k], [across, down])).collect();
-        let transfer = |k: usize| transfers.get(k).map_or(&[][..], Vec::as_slice);
-        let [one, other] = &mut planes;
-        filtered([one, other], across, [transfer(0), transfer(1)]);
-        // Into memory of their own: half of that of the planes.
-        let single = |plane: &Vec<f64>| plane.iter().map(|value| *value as f32).collect();
-        planes.iter().take(transfers.len()).map(single).collect()
+        for (plane, kernels) in planes.iter_mut().zip(&eye.wide) {
+            let mut blurred = vec![0.0; plane.len()];
+            for (weight, kernel) in kernels {
+                add_blurred(plane, across, (*weight, kernel), &mut blurred);
+            }
+            *plane = blurred;
+        }
+        planes
     }
+}
 
-    /// The wide Gaussians of a filter at the frequencies of the blocks.
-    fn wide(&self, filter: &[(f64, f64)], size: [usize; 2]) -> Vec<Separable> {
-        let total: f64 = filter.iter().map(|(_, weight)| weight).sum();
-        let per_degree = self.reader.per_degree / self.block as f64;
-        let values = |count: usize, scale: f64, width: f64| -> Vec<f64> {
-            let value = |k: usize| {
-                let frequency = k as f64 / (2 * count) as f64;
-                // The mean of a block, and the triangle of the interpolation.
-                let sinc = if k == 0 { 1.0 } else { (PI * frequency).sin() / (PI * frequency) };
-                let correction = if self.block > 1 { sinc.powi(3) } else { 1.0 };
-                scale * gaussian(frequency * per_degree, width) / correction
-            };
-            (0..count).map(value).collect()
-        };
-        let wide = filter.iter().filter(|(width, _)| *width >= WIDE_DEG);
-        wide.map(|(width, weight)| Separable {
-            along_x: values(size[0], weight / total, *width),
-            along_y: values(size[1], 1.0, *width),
-        })
-        .collect()
+/// Adds a plane after a kernel along its rows and its columns, with a weight.
+#[inline(always)]
+fn add_blurred(plane: &[f32], columns: usize, (weight, kernel): (f32, &[f32]), into: &mut [f32]) {
+    let (rows, reach) = (plane.len() / columns, kernel.len() - 1);
+    let places = |count: usize| -> Vec<usize> {
+        (0..count + 2 * reach).map(|at| mirrored(at as isize - reach as isize, count)).collect()
+    };
+    let [across, down] = [columns, rows].map(places);
+    let mut padded = vec![0.0; columns + 2 * reach];
+    let mut along = vec![0.0; plane.len()];
+    for (row, along) in plane.chunks_exact(columns).zip(along.chunks_exact_mut(columns)) {
+        padded.iter_mut().zip(&across).for_each(|(to, from)| *to = row[*from]);
+        for (at, one) in padded.windows(columns).enumerate() {
+            let weight = kernel[at.abs_diff(reach)];
+            along.iter_mut().zip(one).for_each(|(sum, value)| *sum += weight * value);
+        }
     }
+    for (y, into) in into.chunks_exact_mut(columns).enumerate() {
+        for at in 0..=2 * reach {
+            let weight = weight * kernel[at.abs_diff(reach)];
+            let row = &along[down[y + at] * columns..][..columns];
+            into.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+}
+
+/// Standard deviation of the narrowest wide Gaussian, in blocks, at least.
+const LEAST_IN_BLOCKS: f64 = 2.5;
+
+/// Samples of a wide Gaussian in blocks, from its middle to one side. The mean of a block and the straight line to the next one blur,
+/// too: their variances are a twelfth and a sixth of the square of a block.
+fn wide_kernel(width_deg: f64, per_degree: f64, block: usize) -> Vec<f32> {
+    let sigma = width_deg * per_degree / (8.0 * LN_2).sqrt() / block as f64;
+    let sigma = if block > 1 { (sigma * sigma - 0.25).sqrt() } else { sigma };
+    let reach = (4.5 * sigma).ceil() as usize;
+    let values: Vec<f64> = (0..=reach).map(|at| (-0.5 * (at as f64 / sigma).powi(2)).exp()).collect();
+    let sum = values[0] + 2.0 * values[1..].iter().sum::<f64>();
+    values.into_iter().map(|value| (value / sum) as f32).collect()
 }
 
 /// Samples of a narrow Gaussian with a weight, from its middle to one side: those that have its transfer function

@@ -175,7 +175,7 @@ fn from_opponent([y, red_green, blue_yellow]: [f32; 3]) -> [f32; 3] {
 /// Cube root of a normal positive number, within 3e-7 of it: a third of its exponent, and two steps of
 /// Halley's method.
 #[inline(always)]
-pub(super) fn cube_root(value: f32) -> f32 {
+pub(crate) fn cube_root(value: f32) -> f32 {
     let first = f32::from_bits(value.to_bits() / 3 + 709_958_130);
     let mut root = first;
     for _ in 0..2 {

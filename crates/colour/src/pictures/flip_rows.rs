@@ -1,9 +1,9 @@
 //! FLIP row by row: the same numbers as of [`FlipPicture`](super::FlipPicture), with the rows that its kernels reach
-//! at hand.
+//! at hand, at samples of the rows. Filters act down the columns first, where only rows with samples are needed.
 
 use super::filter::Kernel;
 use super::flip::{blurs, difference, feature_kernels, largest_colour_difference, opponent_of, seen_colour};
-use super::rows::{LANES, Ring, Taps, across, along, held, lanes, stride};
+use super::rows::{LANES, Padded, Ring, Taps, across, along, lanes, stride};
 
 /// The filters of FLIP.
 pub(super) struct FlipEye {
@@ -16,12 +16,10 @@ pub(super) struct FlipEye {
     most: f32,
 }
 
-/// Rows that were filtered along themselves.
+/// Rows in opponent colours.
 pub(super) struct FlipLines {
-    blurs: [Vec<Ring<f32>>; 3],
-    smooth: Ring<f32>,
-    derivatives: [Ring<f32>; 2],
-    padded: [Vec<f32>; 3],
+    opponents: [Ring<f32>; 3],
+    padded: Padded,
     places: Vec<usize>,
     sums: [Vec<f32>; 2],
     /// The row that comes next.
@@ -44,16 +42,14 @@ impl FlipEye {
         Self { blurs, smooth, derivatives: [edge, point], reach, most: largest_colour_difference() }
     }
 
-    pub(super) fn lines(&self, columns: usize) -> FlipLines {
-        let stride = stride(columns);
-        let ring = || Ring::new(stride, 2 * self.reach + 1);
+    /// For rows of `columns`, with a sample every `step`.
+    pub(super) fn lines(&self, columns: usize, step: usize) -> FlipLines {
+        let ring = || Ring::new(stride(columns), 2 * self.reach + 1);
         FlipLines {
-            blurs: self.blurs.each_ref().map(|terms| terms.iter().map(|_| ring()).collect()),
-            smooth: ring(),
-            derivatives: [ring(), ring()],
-            padded: [0; 3].map(|_| vec![0.0; stride + 2 * self.reach]),
+            opponents: [ring(), ring(), ring()],
+            padded: Padded::new(columns, self.reach, step),
             places: Vec::new(),
-            sums: [0; 2].map(|_| vec![0.0; stride]),
+            sums: [0; 2].map(|_| vec![0.0; stride(columns / step)]),
             next: 0,
         }
     }
@@ -81,73 +77,72 @@ impl FlipEye {
 impl FlipLines {
     /// Takes the next row, in linear sRGB.
     #[inline(always)]
-    pub(super) fn push(&mut self, eye: &FlipEye, columns: usize, pixel: impl Fn(usize) -> [f32; 3]) {
-        let [one, two, three] = &mut self.padded;
-        let inner = eye.reach..eye.reach + columns;
-        let planes = one[inner.clone()].iter_mut().zip(&mut two[inner.clone()]).zip(&mut three[inner]);
-        for (at, ((one, two), three)) in planes.enumerate() {
-            [*one, *two, *three] = opponent_of(pixel(at));
-        }
-        self.padded.iter_mut().for_each(|plane| held(plane, eye.reach, columns));
+    pub(super) fn push(&mut self, pixel: impl Fn(usize) -> [f32; 3], columns: usize) {
         let row = self.next;
-        for ((terms, rings), padded) in eye.blurs.iter().zip(&mut self.blurs).zip(&self.padded) {
-            for ((_, kernel), ring) in terms.iter().zip(rings) {
-                along(kernel, padded, eye.reach, ring.row_mut(row));
-            }
-        }
-        let [lightness, ..] = &self.padded;
-        along(&eye.smooth, lightness, eye.reach, self.smooth.row_mut(row));
-        for (kernel, ring) in eye.derivatives.iter().zip(&mut self.derivatives) {
-            along(kernel, lightness, eye.reach, ring.row_mut(row));
+        let [one, two, three] = self.opponents.each_mut().map(|ring| &mut ring.row_mut(row)[..columns]);
+        for (at, ((one, two), three)) in one.iter_mut().zip(two).zip(three).enumerate() {
+            [*one, *two, *three] = opponent_of(pixel(at));
         }
         self.next += 1;
     }
 
-    /// Writes what is seen of a row, of a picture of `rows` rows of which those in reach were pushed.
+    /// Writes what is seen of the samples of a row from column `first` on, of a picture of `rows` rows of which those in reach were
+    /// pushed.
     #[inline(always)]
     pub(super) fn see(
         &mut self,
         eye: &FlipEye,
-        (row, rows): (usize, usize),
+        at @ (_, _, first): (usize, usize, usize),
         colours: [&mut [f32]; 3],
         features: [&mut [f32]; 2],
     ) {
-        let Self { blurs, smooth, derivatives, places, sums: [x, y], .. } = self;
-        let at = (row, rows);
+        let Self { opponents, padded, places, sums: [x, y], .. } = self;
         let [one, two, three] = colours;
-        for ((terms, rings), into) in eye.blurs.iter().zip(&*blurs).zip([&mut *one, &mut *two, &mut *three]) {
+        for ((terms, ring), into) in
+            eye.blurs.iter().zip(&*opponents).zip([&mut *one, &mut *two, &mut *three])
+        {
             into.fill(0.0);
-            for ((scale, kernel), ring) in terms.iter().zip(rings) {
-                down(kernel, ring, at, places, x);
+            for (scale, kernel) in terms {
+                down(kernel, ring, at, places, padded);
+                x.fill(0.0);
+                along(kernel, padded, first, x);
                 into.iter_mut().zip(&*x).for_each(|(sum, value)| *sum += scale * value);
             }
         }
         for ((one, two), three) in one.iter_mut().zip(two).zip(three) {
             [*one, *two, *three] = seen_colour([*one, *two, *three]);
         }
-        for ((kernel, ring), into) in eye.derivatives.iter().zip(&*derivatives).zip(features) {
-            down(&eye.smooth, ring, at, places, x);
-            down(kernel, smooth, at, places, y);
-            let both = x.iter().zip(&*y);
-            into.iter_mut().zip(both).for_each(|(to, (x, y))| *to = (x * x + y * y).sqrt());
+        let [lightness, ..] = &*opponents;
+        let [edges, points] = features;
+        down(&eye.smooth, lightness, at, places, padded);
+        for (kernel, into) in eye.derivatives.iter().zip([&mut *edges, &mut *points]) {
+            into.fill(0.0);
+            along(kernel, padded, first, into);
+        }
+        for (kernel, into) in eye.derivatives.iter().zip([edges, points]) {
+            down(kernel, lightness, at, places, padded);
+            y.fill(0.0);
+            along(&eye.smooth, padded, first, y);
+            into.iter_mut().zip(&*y).for_each(|(x, y)| *x = (*x * *x + y * y).sqrt());
         }
     }
 }
 
-/// Filters the rows about one of them; beyond the borders, the picture continues with the rows there.
+/// Filters the rows about one of them; beyond the borders, the picture continues with what is there.
 #[inline(always)]
 fn down(
     kernel: &Kernel,
     ring: &Ring<f32>,
-    (row, rows): (usize, usize),
+    (row, rows, _): (usize, usize, usize),
     places: &mut Vec<usize>,
-    into: &mut [f32],
+    padded: &mut Padded,
 ) {
     let reach = kernel.reach();
     places.clear();
     places.extend((0..=2 * reach).map(|k| ring.place((row + k).saturating_sub(reach).min(rows - 1))));
-    into.fill(0.0);
-    across(kernel, ring.values(), places, into);
+    padded.inner().fill(0.0);
+    across(kernel, ring.values(), places, padded.inner());
+    padded.hold();
 }
 
 #[cfg(test)]
@@ -155,7 +150,7 @@ mod tests {
     use super::super::{FlipPicture, Picture};
     use super::*;
 
-    /// Row by row, from the first row or from a later one, FLIP is that of the whole picture.
+    /// Row by row, from the first row or from a later one, FLIP is that of the whole picture at each sample.
     #[test]
     fn rows_are_those_of_whole_pictures() {
         let (columns, rows, per_degree) = (43, 31, 30.0);
@@ -169,29 +164,33 @@ mod tests {
         let [one, other] = pictures.each_ref().map(|picture| FlipPicture::new(picture, per_degree));
         let expected = one.differences(&other).unwrap();
         let eye = FlipEye::new(per_degree);
-        for first in [0, 17] {
-            let stride = stride(columns);
-            let mut lines = [eye.lines(columns), eye.lines(columns)];
-            let mut planes = [0; 2].map(|_| [0; 5].map(|_| vec![0.0; stride]));
-            lines.iter_mut().for_each(|lines| lines.next = first.max(eye.reach) - eye.reach);
-            for row in first..rows {
+        for (start, step, first) in [(0, 1, 0), (17, 1, 0), (0, 2, 1), (5, 3, 2)] {
+            let across = columns / step;
+            let mut lines = [eye.lines(columns, step), eye.lines(columns, step)];
+            let mut planes = [0; 2].map(|_| [0; 5].map(|_| vec![0.0; stride(across)]));
+            lines.iter_mut().for_each(|lines| lines.next = start.max(eye.reach) - eye.reach);
+            for row in start..rows {
                 for ((lines, picture), planes) in lines.iter_mut().zip(&pictures).zip(&mut planes) {
                     while lines.next < (row + eye.reach + 1).min(rows) {
                         let from = lines.next * columns;
                         let pixel =
                             |x: usize| picture.planes().each_ref().map(|plane| plane[from + x] as f32);
-                        lines.push(&eye, columns, pixel);
+                        lines.push(pixel, columns);
                     }
                     let [l, a, b, edges, points] = planes.each_mut().map(Vec::as_mut_slice);
-                    lines.see(&eye, (row, rows), [l, a, b], [edges, points]);
+                    lines.see(&eye, (row, rows, first), [l, a, b], [edges, points]);
                 }
                 let [one, other] = planes.each_ref().map(|[l, a, b, edges, points]| FlipRow {
                     colours: [l, a, b],
                     features: [edges, points],
                 });
-                let mut found = vec![0.0; stride];
+                let mut found = vec![0.0; stride(across)];
                 eye.differences(one, other, &mut found);
-                assert_eq!(found[..columns], expected[row * columns..][..columns], "{first} {row}");
+                for (at, found) in found[..across].iter().enumerate() {
+                    let expected = expected[row * columns + first + at * step];
+                    // Filters in another order.
+                    assert!((found - expected).abs() < 2e-5, "{row} {at}: {found} {expected}");
+                }
             }
         }
     }

@@ -23,12 +23,17 @@ impl Histogram {
     #[inline(always)]
     pub(super) fn count(&mut self, differences: &[f32], sum: &mut f64) {
         let last = self.counts.len() - 1;
-        for difference in differences {
-            // A conversion saturates, and makes 0 of what is not a number.
-            let step = (difference * STEPS) as usize + usize::from(*difference > 0.0);
-            self.counts[step.min(last)] += 1;
-            *sum += f64::from(*difference);
+        // Several sums do not wait for each other.
+        let mut sums = [0.0; 8];
+        for part in differences.chunks(8) {
+            for (sum, difference) in sums.iter_mut().zip(part) {
+                // A conversion saturates, and makes 0 of what is not a number.
+                let step = (difference * STEPS) as usize + usize::from(*difference > 0.0);
+                self.counts[step.min(last)] += 1;
+                *sum += f64::from(*difference);
+            }
         }
+        *sum += sums.iter().sum::<f64>();
     }
 
     pub(super) fn add(&mut self, other: &Self) {

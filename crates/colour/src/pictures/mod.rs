@@ -26,6 +26,7 @@ mod scielab;
 mod stripes;
 mod view;
 
+pub(crate) use flip::cube_root;
 pub use flip::{FLIP_PIXELS_PER_DEGREE, FlipPicture};
 pub use mapped::{AffineMap, MappedPicture};
 pub use planes::NO_CONTRAST;

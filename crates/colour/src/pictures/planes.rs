@@ -40,14 +40,16 @@ pub(super) fn to_lab([x, y, z]: [&mut [f32]; 3]) {
 /// Variance of L* in a window below which it has no contrast: a hundredth of a unit, which rounding does not reach.
 pub const NO_CONTRAST: f64 = 1e-4;
 
-/// Standard deviations of the values in the windows about the pixels of rows; windows end at the borders.
+/// Standard deviations of the values in the windows about the samples of rows; windows end at the borders.
 pub(super) struct Contrast {
     columns: usize,
-    radius: usize,
-    /// Sums of the values and of their squares in the windows along rows.
+    /// Weights of the samples in a window, from its middle to one side: the last one is only partly in it.
+    weights: Vec<f64>,
+    /// Weighted sums of the values and of their squares in the windows along rows.
     along: [Ring<f64>; 2],
-    running: Vec<[f64; 2]>,
-    /// Widths of the windows.
+    /// Values between margins.
+    padded: Vec<f64>,
+    /// Weights of the windows along rows.
     wide: Vec<f64>,
 }
 
@@ -55,47 +57,75 @@ pub(super) struct Contrast {
 const WINDOWS: usize = 16;
 
 impl Contrast {
-    pub(super) fn new(columns: usize, radius: usize) -> Self {
-        let stride = columns.next_multiple_of(WINDOWS);
-        let wide = |x: usize| ((x + radius + 1).min(columns).max(x + 1) - x.saturating_sub(radius)) as f64;
+    /// For windows that reach this many pixels from their middle to each side; there is a sample every `step` pixels.
+    pub(super) fn new(columns: usize, radius: usize, step: usize) -> Self {
+        // The places of the samples vary as much as those of all pixels in the window.
+        let variance = (radius * (radius + 1)) as f64 / 3.0;
+        let squares = |whole: usize| (step * step * whole * (whole + 1)) as f64 / 3.0;
+        let whole = (0..).take_while(|whole| squares(*whole) <= variance).last().unwrap_or(0);
+        let mut weights = vec![1.0; whole + 1];
+        let (count, next) = ((2 * whole + 1) as f64, ((whole + 1) * step) as f64);
+        let rest = 0.5 * count * (variance - squares(whole)) / (next * next - variance);
+        if rest > 1e-9 {
+            weights.push(rest);
+        }
+        let (stride, reach) = (columns.next_multiple_of(WINDOWS), weights.len() - 1);
+        let wide = |x: usize| {
+            let window = x.saturating_sub(reach)..(x + reach + 1).min(columns).max(x + 1);
+            window.map(|other| weights[other.abs_diff(x)]).sum()
+        };
         Self {
             columns,
-            radius,
-            along: [0; 2].map(|_| Ring::new(stride, 2 * radius + 1)),
-            running: vec![[0.0; 2]; columns + 1],
+            along: [0; 2].map(|_| Ring::new(stride, 2 * reach + 1)),
+            padded: vec![0.0; stride + 2 * reach],
             wide: (0..stride).map(wide).collect(),
+            weights,
         }
+    }
+
+    /// Samples in a window on each side of its middle.
+    pub(super) fn reach(&self) -> usize {
+        self.weights.len() - 1
     }
 
     /// Takes the next row.
     #[inline(always)]
     pub(super) fn push(&mut self, row: usize, values: &[f32]) {
-        let Self { columns, radius, running, .. } = self;
-        for (x, value) in values.iter().enumerate() {
-            let value = f64::from(*value);
-            running[x + 1] = [running[x][0] + value, running[x][1] + value * value];
-        }
-        let [values, squares] = self.along.each_mut().map(|ring| ring.row_mut(row));
-        for (x, (value, square)) in values.iter_mut().zip(squares).take(*columns).enumerate() {
-            let (end, first) = (running[(x + *radius + 1).min(*columns)], running[x.saturating_sub(*radius)]);
-            (*value, *square) = (end[0] - first[0], end[1] - first[1]);
+        let reach = self.reach();
+        let Self { weights, padded, .. } = self;
+        padded[reach..].iter_mut().zip(values).for_each(|(to, value)| *to = f64::from(*value));
+        let [sums, squares] = self.along.each_mut().map(|ring| ring.row_mut(row));
+        let blocks = sums.as_chunks_mut::<WINDOWS>().0.iter_mut().zip(squares.as_chunks_mut::<WINDOWS>().0);
+        for (block, (sums, squares)) in blocks.enumerate() {
+            let at = block * WINDOWS;
+            let mut totals = [[0.0_f64; WINDOWS]; 2];
+            for (distance, one) in padded[at..][..WINDOWS + 2 * reach].windows(WINDOWS).enumerate() {
+                let weight = weights[distance.abs_diff(reach)];
+                for k in 0..WINDOWS {
+                    totals[0][k] += weight * one[k];
+                    totals[1][k] += weight * (one[k] * one[k]);
+                }
+            }
+            [*sums, *squares] = totals;
         }
     }
 
     /// Adds up the standard deviations of a row, of a picture of `rows` rows of which those in the windows were taken.
     #[inline(always)]
     pub(super) fn of_row(&mut self, row: usize, rows: usize, sum: &mut f64) {
-        let window = row.saturating_sub(self.radius)..(row + self.radius + 1).min(rows);
-        let high = window.len() as f64;
+        let reach = self.reach();
+        let window = row.saturating_sub(reach)..(row + reach + 1).min(rows);
+        let high: f64 = window.clone().map(|other| self.weights[other.abs_diff(row)]).sum();
         let [values, squares] = &self.along;
         for first in (0..self.columns).step_by(WINDOWS) {
             let mut totals = [[0.0_f64; WINDOWS]; 2];
-            for row in window.clone() {
-                let (values, squares) = (&values.row(row)[first..], &squares.row(row)[first..]);
+            for other in window.clone() {
+                let weight = self.weights[other.abs_diff(row)];
+                let (values, squares) = (&values.row(other)[first..], &squares.row(other)[first..]);
                 let (values, squares) = (&values[..WINDOWS], &squares[..WINDOWS]);
                 for k in 0..WINDOWS {
-                    totals[0][k] += values[k];
-                    totals[1][k] += squares[k];
+                    totals[0][k] += weight * values[k];
+                    totals[1][k] += weight * squares[k];
                 }
             }
             let mut deviations = [0.0; WINDOWS];

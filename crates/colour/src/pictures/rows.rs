@@ -95,14 +95,85 @@ pub(super) fn lanes(values: &[f32], at: usize) -> &[f32; LANES] {
     values[at..].first_chunk().unwrap_or(&[0.0; LANES])
 }
 
-/// Filters a row between margins of this width.
+/// A row between margins, of which every `step`th column is filtered.
+pub(super) struct Padded {
+    margin: usize,
+    step: usize,
+    columns: usize,
+    whole: Vec<f32>,
+    /// The columns by their remainder, so that those of one are next to each other; none with a step of 1.
+    phases: Vec<Vec<f32>>,
+}
+
+impl Padded {
+    pub(super) fn new(columns: usize, margin: usize, step: usize) -> Self {
+        // The last block of samples may begin at any column.
+        let length = (stride(columns) + LANES * step + 2 * margin).next_multiple_of(step) + step;
+        let phases = if step == 1 { 0 } else { step };
+        let phase = || vec![0.0; length / step];
+        Self {
+            margin,
+            step,
+            columns,
+            whole: vec![0.0; length],
+            phases: (0..phases).map(|_| phase()).collect(),
+        }
+    }
+
+    /// The columns, and those that count for nothing.
+    #[inline(always)]
+    pub(super) fn inner(&mut self) -> &mut [f32] {
+        &mut self.whole[self.margin..][..stride(self.columns)]
+    }
+
+    /// Continues the row as its mirror image.
+    #[inline(always)]
+    pub(super) fn mirror(&mut self) {
+        mirrored(&mut self.whole, self.margin, self.columns);
+        self.sort();
+    }
+
+    /// Continues the row with the values at its ends.
+    #[inline(always)]
+    pub(super) fn hold(&mut self) {
+        held(&mut self.whole, self.margin, self.columns);
+        self.sort();
+    }
+
+    #[inline(always)]
+    fn sort(&mut self) {
+        if let [even, odd] = &mut self.phases[..] {
+            for ((even, odd), both) in even.iter_mut().zip(odd).zip(self.whole.as_chunks::<2>().0) {
+                [*even, *odd] = *both;
+            }
+            return;
+        }
+        for (first, phase) in self.phases.iter_mut().enumerate() {
+            phase
+                .iter_mut()
+                .zip(self.whole[first..].iter().step_by(self.step))
+                .for_each(|(to, one)| *to = *one);
+        }
+    }
+
+    /// The samples from a place between the margins on, of which the margins are the first.
+    #[inline(always)]
+    fn lanes(&self, at: usize, block: usize) -> &[f32; LANES] {
+        match self.step {
+            1 => lanes(&self.whole, at + block * LANES),
+            step => lanes(&self.phases[at % step], at / step + block * LANES),
+        }
+    }
+}
+
+/// Adds to the samples of a row, from a column on, what a filter makes of the columns about them.
 #[inline(always)]
-pub(super) fn along(taps: &impl Taps, padded: &[f32], margin: usize, into: &mut [f32]) {
+pub(super) fn along(taps: &impl Taps, padded: &Padded, first: usize, into: &mut [f32]) {
+    let at = padded.margin + first;
     for (block, into) in into.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-        let at = margin + block * LANES;
-        let mut sums = [0.0; LANES];
-        taps.add(&mut sums, lanes(padded, at), |distance| {
-            [lanes(padded, at - distance), lanes(padded, at + distance)]
+        let mut sums = *into;
+        taps.add(&mut sums, padded.lanes(at, block), |distance| {
+            [padded.lanes(at - distance, block), padded.lanes(at + distance, block)]
         });
         *into = sums;
     }
@@ -123,7 +194,7 @@ pub(super) fn across(taps: &impl Taps, values: &[f32], places: &[usize], into: &
 
 /// Writes a row between margins, where it continues as its mirror image.
 #[inline(always)]
-pub(super) fn mirrored(padded: &mut [f32], margin: usize, columns: usize) {
+fn mirrored(padded: &mut [f32], margin: usize, columns: usize) {
     for k in 0..margin {
         padded[margin - 1 - k] = padded[margin + k.min(columns - 1)];
         padded[margin + columns + k] = padded[margin + columns - 1 - k.min(columns - 1)];
@@ -132,10 +203,30 @@ pub(super) fn mirrored(padded: &mut [f32], margin: usize, columns: usize) {
 
 /// Writes a row between margins, where it continues with the values at its ends.
 #[inline(always)]
-pub(super) fn held(padded: &mut [f32], margin: usize, columns: usize) {
+fn held(padded: &mut [f32], margin: usize, columns: usize) {
     let (first, last) = (padded[margin], padded[margin + columns - 1]);
     padded[..margin].fill(first);
     padded[margin + columns..].fill(last);
+}
+
+/// Largest distance of samples.
+pub(super) const MOST_STEPS: usize = 8;
+
+/// Row, from 0 to `step` - 1, in which the samples of each `step` rows are, and the first column with one: in each `step` squared numbers, all
+/// places in changing order, so that no regular pattern is met at the same places only.
+pub(super) fn samples(number: usize, step: usize) -> [usize; 2] {
+    let count = step * step;
+    let mut order: [usize; MOST_STEPS * MOST_STEPS] = std::array::from_fn(|k| k);
+    let mut bits = (number / count) as u64;
+    for last in (1..count).rev() {
+        // SplitMix64.
+        bits = bits.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut mixed = (bits ^ bits >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        order.swap(last, (mixed >> 40) as usize % (last + 1));
+    }
+    let place = order[number % count];
+    [place / step, place % step]
 }
 
 #[cfg(test)]
@@ -143,29 +234,37 @@ mod tests {
     use super::super::filter::Kernel;
     use super::*;
 
-    /// One row after the other, with few rows at hand, a filter does what it does to a whole plane.
+    /// With few rows at hand, a filter does what it does to a whole plane, at each sample.
     #[test]
     fn rows_are_filtered_as_whole_planes_are() {
         let (columns, rows) = (45, 12);
         let plane: Vec<f32> = (0..columns * rows).map(|k| (0.618_034 * k as f64).fract() as f32).collect();
         let kernel = Kernel::even(&[0.5, 0.2, 0.05]);
         let whole = kernel.along_columns(&kernel.along_rows(&plane, columns), columns);
-        let (stride, reach) = (stride(columns), kernel.reach());
-        let mut ring = Ring::new(stride, 2 * reach + 1);
-        let mut next = 0;
-        for y in 0..rows {
-            while next < (y + reach + 1).min(rows) {
-                let mut padded = vec![0.0; stride + 2 * reach];
-                padded[reach..][..columns].copy_from_slice(&plane[next * columns..][..columns]);
-                held(&mut padded, reach, columns);
-                along(&kernel, &padded, reach, ring.row_mut(next));
-                next += 1;
+        let reach = kernel.reach();
+        for step in [1, 2, 3] {
+            let mut ring = Ring::new(stride(columns), 2 * reach + 1);
+            let mut padded = Padded::new(columns, reach, step);
+            let mut next = 0;
+            for y in 0..rows {
+                while next < (y + reach + 1).min(rows) {
+                    ring.row_mut(next)[..columns].copy_from_slice(&plane[next * columns..][..columns]);
+                    next += 1;
+                }
+                let at = |k: usize| ring.place((y + k).saturating_sub(reach).min(rows - 1));
+                let places: Vec<usize> = (0..=2 * reach).map(at).collect();
+                padded.inner().fill(0.0);
+                across(&kernel, ring.values(), &places, padded.inner());
+                padded.hold();
+                for first in 0..step {
+                    let mut row = vec![0.0; stride(columns / step)];
+                    along(&kernel, &padded, first, &mut row);
+                    for (at, found) in row[..columns / step].iter().enumerate() {
+                        let expected = whole[y * columns + first + at * step];
+                        assert!((found - expected).abs() < 1e-6, "{y} {at}: {found} {expected}");
+                    }
+                }
             }
-            let at = |k: usize| ring.place((y + k).saturating_sub(reach).min(rows - 1));
-            let places: Vec<usize> = (0..=2 * reach).map(at).collect();
-            let mut row = vec![0.0; stride];
-            across(&kernel, ring.values(), &places, &mut row);
-            assert_eq!(row[..columns], whole[y * columns..][..columns], "{y}");
         }
     }
 
@@ -176,5 +275,19 @@ mod tests {
         assert_eq!(padded, [2.0, 2.0, 1.0, 1.0, 2.0, 2.0, 1.0, 1.0]);
         held(&mut padded, 3, 2);
         assert_eq!(padded, [1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn samples_are_equally_often_at_each_place() {
+        for step in [1, 2, 3, 5] {
+            let mut counts = vec![0_usize; step * step];
+            (0..100 * step * step).for_each(|number| {
+                let [row, column] = samples(number, step);
+                counts[row * step + column] += 1;
+            });
+            assert!(counts.iter().all(|count| *count == 100), "{counts:?}");
+        }
+        let order = |group: usize| [0, 1, 2, 3].map(|k| samples(4 * group + k, 2));
+        assert!((0..20).any(|group| order(group) != order(group + 1)));
     }
 }

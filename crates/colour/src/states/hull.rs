@@ -15,16 +15,16 @@ use crate::matrix::{cross, dot};
 use crate::{ColourError, Xyz};
 
 /// Distance from the hull, relative to the brightest state, up to which a colour is contained.
-const TOLERANCE: f64 = 1e-9;
+pub const TOLERANCE: f64 = 1e-9;
 
 /// Largest number of states.
 pub(super) const MOST_STATES: usize = 64;
 
 /// Colours on one side of a plane: `normal . xyz <= offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct HalfSpace {
-    normal: [f64; 3],
-    offset: f64,
+pub(crate) struct HalfSpace {
+    pub(crate) normal: [f64; 3],
+    pub(crate) offset: f64,
 }
 
 /// The convex hull of the states of a display.
@@ -114,6 +114,16 @@ impl StateHull {
     /// The states.
     pub fn states(&self) -> &[Xyz] {
         &self.states
+    }
+
+    /// The half-spaces whose intersection the hull is.
+    pub(crate) fn half_spaces(&self) -> &[HalfSpace] {
+        &self.half_spaces
+    }
+
+    /// Length of X, Y, Z of the brightest state.
+    pub(crate) fn size(&self) -> f64 {
+        self.span.size
     }
 
     /// Number of dimensions of the hull: 3, or 2 of states in a plane, 1 of states on a line, 0 of equal

@@ -15,7 +15,8 @@ mod subpixels;
 #[cfg(test)]
 mod tests;
 
-pub use hull::StateHull;
+pub(crate) use hull::HalfSpace;
+pub use hull::{StateHull, TOLERANCE};
 pub(crate) use mixture::nearest_weights;
 pub use mixture::{Coverages, LeastVariance};
 pub use subpixels::SubPixels;

@@ -23,6 +23,21 @@ pub(super) fn in_chunks<T: Send, R: Send>(
     })
 }
 
+/// Changes each row of `columns` pixels by its number.
+pub(super) fn in_rows(
+    threads: usize,
+    pixels: &mut [[f32; 3]],
+    columns: usize,
+    of: impl Fn(usize, &mut [[f32; 3]]) + Sync,
+) {
+    let rows = CHUNK.div_ceil(columns);
+    let chunks: Vec<_> = pixels.chunks_mut(rows * columns).enumerate().map(Mutex::new).collect();
+    each(&chunks, threads, |chunk| {
+        let (number, chunk) = &mut *chunk.lock().unwrap_or_else(PoisonError::into_inner);
+        chunk.chunks_exact_mut(columns).enumerate().for_each(|(row, line)| of(*number * rows + row, line));
+    });
+}
+
 /// What is returned for the numbers of each of a few parts of the pixels, in their order.
 pub(super) fn in_parts<R: Send>(
     threads: usize,

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use super::ImageSettings;
+use super::chunks::in_rows;
 use super::held::Lit;
 use super::lamps::lamp_images;
 use super::stack::{Layers, Picture, Seen, Several, colours_of_pages};
@@ -123,24 +124,45 @@ impl Eye {
             (0..size[k]).map(move |pixel| polynomials.at(place(pixel, size[k]))).collect::<Vec<Vec<f64>>>()
         });
         let mut pixels = vec![[0.0_f32; 3]; states.len()];
-        let mut along_row = vec![0.0_f32; counts[0] + 1];
-        layers.each(|number, part| {
-            let lines = pixels.chunks_exact_mut(size[0]).zip(part.chunks_exact(size[0]));
-            // Rows of pictures begin at the top.
-            for ((line, part), along_y) in lines.zip(shares[1].iter().rev()) {
-                for (column, sum) in along_row.iter_mut().enumerate() {
-                    let of_row = |(row, share): (usize, &f64)| {
-                        share * layers.mixtures()[row * (counts[0] + 1) + column][number]
-                    };
-                    *sum = along_y.iter().enumerate().map(of_row).sum::<f64>() as f32;
+        // Weights of a picture at the places along a row, of which the first is at the top.
+        let along_row = |row: usize, number: usize| -> Vec<f32> {
+            let along_y = &shares[1][size[1] - 1 - row];
+            let at = |column: usize| {
+                let of_row = |(row, share): (usize, &f64)| {
+                    share * layers.mixtures()[row * (counts[0] + 1) + column][number]
+                };
+                along_y.iter().enumerate().map(of_row).sum::<f64>() as f32
+            };
+            (0..=counts[0]).map(at).collect()
+        };
+        let along_x: Vec<Vec<f32>> =
+            shares[0].iter().map(|shares| shares.iter().map(|share| *share as f32).collect()).collect();
+        let weight = |along_row: &[f32], column: usize| -> f32 {
+            along_row.iter().zip(&along_x[column]).map(|(sum, share)| sum * share).sum()
+        };
+        if let Some((states, colours)) = layers.pages() {
+            in_rows(control.thread_count(), &mut pixels, size[0], |row, line| {
+                let states = &states[row * size[0]..][..size[0]];
+                for (number, colours) in colours.iter().enumerate() {
+                    let along_row = along_row(row, number);
+                    for (column, (pixel, state)) in line.iter_mut().zip(states).enumerate() {
+                        let (weight, part) = (weight(&along_row, column), colours[usize::from(*state)]);
+                        (0..3).for_each(|k| pixel[k] += weight * part[k]);
+                    }
                 }
-                for ((pixel, part), along_x) in line.iter_mut().zip(part).zip(&shares[0]) {
-                    let weight: f32 =
-                        along_row.iter().zip(along_x).map(|(sum, share)| sum * *share as f32).sum();
-                    (0..3).for_each(|k| pixel[k] += weight * part[k]);
+            });
+        } else {
+            layers.each(|number, part| {
+                let lines = pixels.chunks_exact_mut(size[0]).zip(part.chunks_exact(size[0]));
+                for (row, (line, part)) in lines.enumerate() {
+                    let along_row = along_row(row, number);
+                    for (column, (pixel, part)) in line.iter_mut().zip(part).enumerate() {
+                        let weight = weight(&along_row, column);
+                        (0..3).for_each(|k| pixel[k] += weight * part[k]);
+                    }
                 }
-            }
-        });
+            });
+        }
         // Between places that are too far apart, a polynomial may be negative.
         pixels.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         let names = known[0].lit.palette.names();

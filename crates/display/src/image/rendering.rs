@@ -2,10 +2,10 @@
 //! with the states of the display, and a table for large pictures.
 
 use papilio_colour::mapping::{
-    ClosestLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SourceSpace,
+    ClosestLattice, DisplayColours, GamutMapping, GamutTable, Intent, MapSpace, SEVERAL, SourceSpace,
 };
 use papilio_colour::pictures::AffineMap;
-use papilio_colour::states::StateHull;
+use papilio_colour::states::{StateHull, TOLERANCE};
 use papilio_colour::{Adaptation, D65_WHITE, Xyz};
 
 use super::chunks::in_chunks;
@@ -205,24 +205,25 @@ impl Rendering {
         // Of each chunk, the number of colours of the display, and errors of the lattice.
         let found = in_chunks(threads, &mut mapped, |first, mapped| {
             let (mut inside, mut errors) = (0, Vec::new());
-            for (at, pixel) in mapped.iter_mut().enumerate() {
-                let target = pixel.map(f64::from);
-                let own = self.mapping.xyz(target);
-                let is_within =
-                    |tolerance| own.is_some_and(|own| self.mapping.hull().contains_within(own, tolerance));
-                let contained = own.filter(|own| self.mapping.hull().contains(*own));
-                let closest = contained.unwrap_or_else(|| match &lattice {
-                    Some(lattice) => lattice.closest(target),
-                    None => self.mapping.closest(target),
-                });
-                if lattice.is_some() && (first + at).is_multiple_of(every) {
-                    let labs = [closest, self.mapping.closest(target)].map(|one| one.lab(self.white));
-                    if let [Some(ours), Some(exact)] = labs {
-                        errors.push(ours.delta_e_2000(exact));
+            for (block, mapped) in mapped.chunks_mut(SEVERAL).enumerate() {
+                let placed = self.mapping.placed(mapped);
+                for (at, pixel) in mapped.iter_mut().enumerate() {
+                    let target = pixel.map(f64::from);
+                    let excess = placed.excess(at);
+                    let closest = match &lattice {
+                        _ if excess <= TOLERANCE => placed.colour(at),
+                        Some(lattice) => lattice.closest(target),
+                        None => self.mapping.closest(target),
+                    };
+                    if lattice.is_some() && (first + block * SEVERAL + at).is_multiple_of(every) {
+                        let labs = [closest, self.mapping.closest(target)].map(|one| one.lab(self.white));
+                        if let [Some(ours), Some(exact)] = labs {
+                            errors.push(ours.delta_e_2000(exact));
+                        }
                     }
+                    inside += usize::from(excess <= COUNTED_INSIDE);
+                    *pixel = single(closest);
                 }
-                inside += usize::from(contained.is_some() || is_within(COUNTED_INSIDE));
-                *pixel = single(closest);
             }
             (inside, errors)
         });

@@ -190,6 +190,12 @@ impl Layers {
         !matches!(self.kind, Kind::Pages)
     }
 
+    /// The states of the pixels, and the colour of each state in each picture, if pixels have the colours of pages.
+    pub(super) fn pages(&self) -> Option<(&[u8], Vec<Vec<[f32; 3]>>)> {
+        let colours = |row: &Vec<f64>| row.as_chunks().0.iter().map(|one| one.map(single)).collect();
+        matches!(self.kind, Kind::Pages).then(|| (&self.states[..], self.few.iter().map(colours).collect()))
+    }
+
     /// Computes the pictures one by one, each with its number: X, Y and Z of each pixel, rows from the top.
     pub(super) fn each(&self, mut found: impl FnMut(usize, &mut Vec<[f32; 3]>)) {
         match &self.kind {

@@ -185,6 +185,16 @@ impl SourcePicture {
     }
 
     fn converted<T: Copy + Into<u16>>(&self, values: &[T]) -> Vec<[f32; 3]> {
+        // Of most pictures: without branches.
+        if let (Encoding::Matrix { light, xyz_from_rgb }, 3, 3) = (&self.encoding, self.inputs, self.channels)
+        {
+            let light = |k: usize, value: T| light[k].get(usize::from(value.into())).copied().unwrap_or(0.0);
+            let of = |[red, green, blue]: &[T; 3]| {
+                let rgb = [light(0, *red), light(1, *green), light(2, *blue)];
+                xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
+            };
+            return values.as_chunks().0.iter().map(of).collect();
+        }
         let white = d65().map(|value| value as f32);
         let largest = f32::from(self.samples.largest());
         let colour = |pixel: &[T]| match &self.encoding {

@@ -1,8 +1,7 @@
 //! Writers of pictures: what a panel gets, and what a reader sees.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 
-use exr::prelude::{Encoding as ExrEncoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, SrgbRenderingIntent};
 
 /// Writes the states of a picture as an indexed PNG, 8 bits a pixel: `palette` has the encoded sRGB colour of
@@ -97,28 +96,80 @@ fn finish(encoder: Encoder<'_, &mut dyn Write>, data: &[u8]) -> io::Result<()> {
 /// Writes a scene-referred OpenEXR file: linear red, green and blue of sRGB's primaries as 32-bit numbers, 1
 /// for a perfect white, whose luminance in cd/m2 is the attribute `whiteLuminance`.
 ///
+/// Rows follow each other without compression, which hardly makes the numbers of a halftone fewer: nothing of the file is kept.
+///
 /// # Errors
 /// If the system reports an error, or the picture does not consist of whole rows.
 pub fn write_scene_exr(
     out: &mut dyn Write,
     columns: usize,
     pixels: usize,
-    linear: impl Fn(usize) -> [f32; 3] + Sync,
+    linear: impl Fn(usize) -> [f32; 3],
     white_cd_m2: Option<f32>,
 ) -> io::Result<()> {
-    let [width, height] = size(columns, pixels)?.map(|side| side as usize);
-    let attributes = LayerAttributes { white_luminance: white_cd_m2, ..LayerAttributes::default() };
-    let pixel = |at: exr::math::Vec2<usize>| {
-        let [red, green, blue] = linear(at.y() * columns + at.x());
-        (red, green, blue)
+    let [width, height] = size(columns, pixels)?;
+    let header = exr_header([width, height], white_cd_m2)?;
+    out.write_all(&header)?;
+    let row_bytes = 3 * size_of::<f32>() * columns;
+    let block = 2 * size_of::<u32>() + row_bytes;
+    let first = header.len() + size_of::<u64>() * height as usize;
+    for row in 0..height as usize {
+        out.write_all(&((first + row * block) as u64).to_le_bytes())?;
+    }
+    let mut bytes = vec![0; block];
+    for row in 0..height {
+        bytes[..4].copy_from_slice(&row.to_le_bytes());
+        bytes[4..8].copy_from_slice(&(row_bytes as u32).to_le_bytes());
+        // The channels of a row follow each other in alphabetical order.
+        let (blue, rest) = bytes[8..].split_at_mut(row_bytes / 3);
+        let (green, red) = rest.split_at_mut(row_bytes / 3);
+        let [blue, green, red] = [blue, green, red].map(|channel| channel.as_chunks_mut().0);
+        let first = row as usize * columns;
+        for (at, ((red, green), blue)) in red.iter_mut().zip(green).zip(blue).enumerate() {
+            [*red, *green, *blue] = linear(first + at).map(f32::to_le_bytes);
+        }
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// The first bytes of an OpenEXR file with rows of blue, green and red as 32-bit numbers, up to the table of the places of its rows
+/// (openexr.com, *OpenEXR File Layout*).
+fn exr_header([width, height]: [u32; 2], white_cd_m2: Option<f32>) -> io::Result<Vec<u8>> {
+    let too_large = || io::Error::other("an OpenEXR file has at most 2^31 columns or rows");
+    let last = |count: u32| i32::try_from(count - 1).map_err(|_| too_large());
+    let window: Vec<u8> =
+        [0, 0, last(width)?, last(height)?].iter().flat_map(|side| side.to_le_bytes()).collect();
+    const FLOAT: u32 = 2;
+    let channel = |name: u8| {
+        // Perceived as linear, and three reserved bytes; then the steps of its samples.
+        let numbers: [u32; 4] = [FLOAT, 0, 1, 1];
+        [name, 0].into_iter().chain(numbers.into_iter().flat_map(u32::to_le_bytes))
     };
-    let layer =
-        Layer::new((width, height), attributes, ExrEncoding::FAST_LOSSLESS, SpecificChannels::rgb(pixel));
-    // Runs of equal bytes hardly make the numbers of a halftone fewer.
-    let mut bytes = Cursor::new(Vec::with_capacity(13 * pixels));
-    let written = Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
-    written.map_err(|error| io::Error::other(error.to_string()))?;
-    out.write_all(&bytes.into_inner())
+    let channels: Vec<u8> = b"BGR".iter().flat_map(|name| channel(*name)).chain([0]).collect();
+    let one = 1.0_f32.to_le_bytes();
+    let mut header = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        for text in [name, kind] {
+            header.extend(text.as_bytes());
+            header.push(0);
+        }
+        header.extend((value.len() as u32).to_le_bytes());
+        header.extend(value);
+    };
+    attribute("channels", "chlist", &channels);
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &one);
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &one);
+    if let Some(white) = white_cd_m2 {
+        attribute("whiteLuminance", "float", &white.to_le_bytes());
+    }
+    header.push(0);
+    Ok(header)
 }
 
 /// Columns and rows.

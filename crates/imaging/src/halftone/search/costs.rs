@@ -50,6 +50,8 @@ struct Lanes<const N: usize> {
     /// changes to the others, each with the middle of the correlation.
     squares: [Vec<[f32; LANES]>; 2],
     near: [Vec<[f32; LANES]>; 4],
+    /// The same by the state of the neighbour, and then that of the pixel.
+    near_other: [Vec<[f32; LANES]>; 4],
 }
 
 /// Costs of all states at two pixels, of many states.
@@ -197,6 +199,10 @@ impl<const N: usize> Lanes<N> {
                 palette.iter().map(|own| lanes(&|at| to(own, at), IMPOSSIBLE)).collect()
             }),
             near: near.each_ref().map(|near| near.chunks(palette.len().max(1)).map(row).collect()),
+            near_other: near.each_ref().map(|near| {
+                let column = |other: usize| lanes(&|at| near[at * palette.len() + other], 0.0);
+                (0..palette.len()).map(column).collect()
+            }),
         }
     }
 
@@ -247,8 +253,11 @@ impl<const N: usize> Lanes<N> {
                 there[to] += apart - near[own][to];
             }
             let mut smallest = [IMPOSSIBLE; LANES];
-            for (row, here) in near.iter().zip(&here) {
-                let alone = here - row[other];
+            let mut alone = self.near_other[number][other];
+            for (alone, here) in alone.iter_mut().zip(&here) {
+                *alone = here - *alone;
+            }
+            for (row, alone) in near.iter().zip(&alone) {
                 for to in 0..LANES {
                     let cost = alone + there[to] + row[to];
                     smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
