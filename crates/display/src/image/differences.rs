@@ -288,7 +288,7 @@ mod tests {
                 .enumerate()
                 .map(|(at, pixel)| match is_masked {
                     true => masked(at),
-                    false if dice.throw() < 0.5 => *pixel,
+                    false if dice.throw() < 0.4 => *pixel,
                     false => states[dice.below(5)],
                 })
                 .collect();
