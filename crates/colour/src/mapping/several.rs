@@ -154,15 +154,16 @@ impl NullaryFnOnce for Colours<'_> {
         multiply(&matrices.to_roots, xyz);
         xyz.iter_mut().flatten().for_each(|one| *one = *one * *one * *one);
         multiply(&matrices.to_xyz, xyz);
+        let [x, y, z] = &*xyz;
         let mut most = [f64::NEG_INFINITY; SEVERAL];
         for HalfSpace { normal, offset } in hull {
             for at in 0..SEVERAL {
-                let out = normal[0] * xyz[0][at] + normal[1] * xyz[1][at] + normal[2] * xyz[2][at] - offset;
+                let out = normal[0] * x[at] + normal[1] * y[at] + normal[2] * z[at] - offset;
                 most[at] = if out > most[at] { out } else { most[at] };
             }
         }
         for at in 0..SEVERAL {
-            let is_finite = (xyz[0][at] + xyz[1][at] + xyz[2][at]).is_finite();
+            let is_finite = (x[at] + y[at] + z[at]).is_finite();
             excess[at] = if is_finite { most[at] } else { f64::INFINITY };
         }
     }

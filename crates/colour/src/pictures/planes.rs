@@ -101,9 +101,10 @@ impl Contrast {
             let mut totals = [[0.0_f64; WINDOWS]; 2];
             for (distance, one) in padded[at..][..WINDOWS + 2 * reach].windows(WINDOWS).enumerate() {
                 let weight = weights[distance.abs_diff(reach)];
+                let [sums, squares] = &mut totals;
                 for k in 0..WINDOWS {
-                    totals[0][k] += weight * one[k];
-                    totals[1][k] += weight * (one[k] * one[k]);
+                    sums[k] += weight * one[k];
+                    squares[k] += weight * (one[k] * one[k]);
                 }
             }
             [*sums, *squares] = totals;
