@@ -99,7 +99,7 @@ impl Shown<'_> {
 const ALL: &str = "pictures.json";
 
 /// Ends of the names of pictures.
-const ENDS: [&str; 6] = ["png", "jpg", "jpeg", "exr", "hdr", "pic"];
+const ENDS: [&str; 7] = ["png", "jpg", "jpeg", "svg", "exr", "hdr", "pic"];
 
 /// A finished picture of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

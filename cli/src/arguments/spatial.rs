@@ -53,7 +53,7 @@ pub(crate) struct Gonio {
 pub(crate) struct ImageCommand {
     #[command(flatten)]
     pub(crate) command: SpatialCommand,
-    /// The picture: PNG, JPEG, OpenEXR or Radiance; sets image.file. Or a folder of pictures, each of which gets a folder of
+    /// The picture: PNG, JPEG, SVG, OpenEXR or Radiance; sets image.file. Or a folder of pictures, each of which gets a folder of
     /// results
     #[arg(value_name = "PICTURE")]
     pub(crate) picture: Option<String>,

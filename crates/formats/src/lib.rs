@@ -15,7 +15,7 @@
 //! | [`read_measured_panel`] | spectra or X, Y, Z of the states of a panel |
 //! | [`read_measurement`] | the same, or metrics by name |
 //! | [`read_result`] | `result.json` |
-//! | [`read_picture`] | PNG and JPEG pictures as linear X, Y, Z (detected from the content) |
+//! | [`read_picture`] | PNG, JPEG and SVG pictures as linear X, Y, Z (detected from the content) |
 //! | [`read_heights`] | maps of heights in several formats (detected from the content) |
 //! | [`read_density`] | tables of frequency and power spectral density of heights |
 //! | [`read_mesh`] | meshes of triangles: OBJ, and STL in text or binary (detected from the content) |
@@ -34,6 +34,7 @@
 //! | [`write_comparison`], [`write_compared_spectra`], [`write_compared_metrics`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
+//! | [`png`] | PNG images of figures |
 //! | [`panel`] | frames for the controllers of panels |
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `totals_by_azimuth.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |
@@ -102,6 +103,7 @@ mod spectrum;
 mod states;
 mod study;
 mod surface;
+mod svg;
 mod sweep;
 mod sweep_columns;
 mod sweep_json;
@@ -171,6 +173,7 @@ pub use spectrum::{
 };
 pub use study::write_study;
 pub use surface::{HeightFile, MeshFile, is_height_file, read_density, read_heights, read_mesh};
+pub use svg::{HAS_PNG, PNG_SCALE, PngError, png};
 pub use sweep::{
     LightHead, SweepHead, SweepHeadAxis, SweepJournal, SweepPoint, sweep_place, sweep_value, write_sweep_csv,
 };

@@ -1,4 +1,4 @@
-//! Pictures: PNG, JPEG, OpenEXR and Radiance files as linear light, and PNG and OpenEXR files of what a display shows.
+//! Pictures: PNG, JPEG, SVG, OpenEXR and Radiance files as linear light, and PNG and OpenEXR files of what a display shows.
 //!
 //! A picture in memory keeps the samples of its file; [`SourcePicture::row`] converts them to X, Y, Z row by
 //! row, so that a picture of 64 megapixels never exists as three planes of real numbers.
@@ -35,7 +35,7 @@ pub const LARGEST_PICTURE_FILE: u64 = 512 << 20;
 /// Largest number of pixels of a picture.
 pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 
-/// Reads a PNG, JPEG, OpenEXR or Radiance file, detected from the content.
+/// Reads a PNG, JPEG, OpenEXR or Radiance file, or with the feature `svg` a drawing, detected from the content.
 ///
 /// Pictures of high dynamic range (OpenEXR, Radiance) whose values exceed 1 have no white: `scene.rs` chooses one.
 ///
@@ -59,6 +59,10 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     } else if let Some(linear) = read_linear(&file.bytes, Shape::Picture) {
         linear.and_then(|(light, primaries)| scene::developed(light, primaries))
     } else {
+        #[cfg(feature = "svg")]
+        if picture_format(&file.bytes) == Some("SVG") {
+            return drawing(file);
+        }
         Err(match picture_format(&file.bytes) {
             Some(format) => other_format(format),
             None if file.bytes.is_empty() => {
@@ -72,8 +76,23 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     picture.map_err(|problem| FormatError::whole(&file.name, problem))
 }
 
+/// Reads a drawing.
+#[cfg(feature = "svg")]
+fn drawing(file: &DataFile) -> Result<Warned<SourcePicture>, FormatError> {
+    let drawn = crate::svg::picture::rasterised(&file.bytes);
+    let picture = drawn.and_then(|png| {
+        let picture = png_read::read(&png.value, &RgbSpace::srgb())?;
+        Ok(Warned { warnings: png.warnings.into_iter().chain(picture.warnings).collect(), ..picture })
+    });
+    picture.map_err(|problem| FormatError::whole(&file.name, problem))
+}
+
 /// What is read.
-const SUPPORTED: &str = "a PNG, JPEG, OpenEXR (.exr) or Radiance (.hdr) file";
+const SUPPORTED: &str = if cfg!(feature = "svg") {
+    "a PNG, JPEG, SVG, OpenEXR (.exr) or Radiance (.hdr) file"
+} else {
+    "a PNG, JPEG, OpenEXR (.exr) or Radiance (.hdr) file"
+};
 
 /// Fails unless a picture has a permitted size.
 pub(crate) fn check_size(columns: usize, rows: usize) -> Result<(), Diagnostic> {

@@ -10,6 +10,8 @@
 mod arrays;
 mod bsdf;
 mod decoders;
+#[cfg(feature = "svg")]
+mod drawings;
 mod eulumdat;
 mod heights;
 mod laboratory;

@@ -14,7 +14,7 @@ use crate::word::Word;
 table! {
     /// A picture on the display, for `papilio image` only.
     Image {
-        /// The picture: PNG, JPEG, OpenEXR or Radiance; also an argument of `papilio image`.
+        /// The picture: PNG, JPEG, SVG, OpenEXR or Radiance; also an argument of `papilio image`.
         file: Option<String>,
         /// Text in lines of the panel's width, black on white, with the bundled font; with a `file` both are
         /// a page. It needs `display.matrix.pixels`.

@@ -212,7 +212,7 @@ impl Resolver<'_> {
             (None, None) => {
                 let mut wrong = mistake::missing_key(
                     "file",
-                    "a picture, PNG, JPEG, OpenEXR or Radiance; or a `text` or `pattern`",
+                    "a picture, PNG, JPEG, SVG, OpenEXR or Radiance; or a `text` or `pattern`",
                 );
                 wrong.diagnostic = wrong
                     .diagnostic

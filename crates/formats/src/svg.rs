@@ -1,0 +1,181 @@
+//! Drawings (SVG) as pixels: figures as PNG images, and drawings as pictures to show.
+//!
+//! Only the fonts of `papilio_imaging::text` are used, so that a drawing has the same pixels on every machine: all text is in Roboto, and
+//! characters that it lacks are omitted.
+//!
+//! The rasteriser is compiled with the feature `svg`, which builds of the programs have by default.
+
+#[cfg(feature = "svg")]
+use std::sync::{Arc, OnceLock};
+
+#[cfg(feature = "svg")]
+use resvg::{
+    tiny_skia::{Color, Pixmap, Transform},
+    usvg::{self, fontdb},
+};
+
+/// Whether PNG images can be made, and drawings be read as pictures: the feature `svg`.
+pub const HAS_PNG: bool = cfg!(feature = "svg");
+
+/// Why a figure could not be rasterised.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The feature `svg` is off.
+    #[error(
+        "this papilio was built without PNG pictures; `cargo build --release --package papilio` builds it with the feature `png` on"
+    )]
+    NotBuilt,
+    /// The text is not SVG.
+    #[cfg(feature = "svg")]
+    #[error("this is not an SVG figure: {0}")]
+    NotSvg(#[from] usvg::Error),
+    /// The image has no pixels, or there is not enough memory for them.
+    #[error("cannot make an image of {width} x {height} pixels")]
+    NoPixels {
+        /// Width, px.
+        width: u32,
+        /// Height, px.
+        height: u32,
+    },
+    /// The image could not be encoded.
+    #[error("cannot encode the image: {0}")]
+    Encoding(String),
+}
+
+/// Largest width and height of an image, pixels.
+#[cfg(feature = "svg")]
+const LARGEST: f32 = 16_384.0;
+
+/// Pixels per px of an SVG in the images that Papilio's programs write.
+pub const PNG_SCALE: f32 = 2.0;
+
+/// Rasterises a figure as PNG, with `scale` pixels per px of the SVG (2 suits both paper and screens),
+/// or fewer if the image would exceed 16384 pixels in width or height.
+///
+/// # Errors
+/// If `svg` is not SVG, or the image would have no pixels; without the feature `svg`, always.
+#[cfg(feature = "svg")]
+pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
+    let tree = tree(svg)?;
+    let [width, height] = [tree.size().width(), tree.size().height()];
+    let scale = scale.min(LARGEST / width.max(height));
+    rendered(&tree, [width, height].map(|length| (scale * length).ceil() as u32), scale, Color::TRANSPARENT)
+}
+
+/// Returns the error that the feature `svg` is off.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "svg"))]
+pub fn png(_: &str, _: f32) -> Result<Vec<u8>, PngError> {
+    Err(PngError::NotBuilt)
+}
+
+#[cfg(feature = "svg")]
+fn tree(svg: &str) -> Result<usvg::Tree, usvg::Error> {
+    let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
+    usvg::Tree::from_str(svg, &options)
+}
+
+#[cfg(feature = "svg")]
+fn rendered(
+    tree: &usvg::Tree,
+    [width, height]: [u32; 2],
+    scale: f32,
+    background: Color,
+) -> Result<Vec<u8>, PngError> {
+    let mut pixels = Pixmap::new(width, height).ok_or(PngError::NoPixels { width, height })?;
+    pixels.fill(background);
+    resvg::render(tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
+}
+
+/// Returns the font database, which is filled once.
+#[cfg(feature = "svg")]
+fn fonts() -> Arc<fontdb::Database> {
+    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    let fill = || {
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(papilio_imaging::text::ROBOTO.to_vec());
+        fonts.load_font_data(papilio_imaging::text::ROBOTO_BOLD.to_vec());
+        // The family of text whose own one is missing.
+        fonts.set_serif_family("Roboto");
+        fonts.set_sans_serif_family("Roboto");
+        Arc::new(fonts)
+    };
+    Arc::clone(FONTS.get_or_init(fill))
+}
+
+/// Drawings as pictures.
+#[cfg(feature = "svg")]
+pub(crate) mod picture {
+    use papilio_diagnostics::{Diagnostic, Warned};
+    use resvg::tiny_skia::Color;
+    use resvg::usvg::{Group, Node};
+
+    use super::{rendered, tree};
+    use crate::picture::{check_size, convert_to};
+
+    /// A drawing that is shorter than this is rasterised at a multiple of its size, pixels.
+    const SHORT: f32 = 600.0;
+
+    /// Most memory that transparent groups, masks and filters within each other take at a time, bytes.
+    const MOST_LAYERS: f64 = (256 << 20) as f64;
+
+    /// Rasterises a drawing over white, as a browser shows it, at its own size in pixels or at a whole multiple of it: a PNG file.
+    ///
+    /// # Errors
+    /// If the file is not SVG; if the picture has too many pixels, or its layers need too much memory.
+    pub(crate) fn rasterised(bytes: &[u8]) -> Result<Warned<Vec<u8>>, Diagnostic> {
+        let wrong = |why: String| {
+            Diagnostic::new(format!("this SVG file cannot be drawn: {why}")).hint(convert_to("SVG", "PNG"))
+        };
+        let text = std::str::from_utf8(bytes).map_err(|error| wrong(error.to_string()))?;
+        let tree = tree(text).map_err(|error| wrong(error.to_string()))?;
+        if tree.root().children().is_empty() {
+            return Err(wrong("it draws nothing".to_owned()));
+        }
+        let size = [tree.size().width(), tree.size().height()];
+        let longest = size[0].max(size[1]);
+        let scale = if longest < SHORT { (2.0 * SHORT / longest).floor() } else { 1.0 };
+        let [width, height] = size.map(|length| f64::from(scale * length).ceil());
+        check_size(width as usize, height as usize)?;
+        let layers = layers(tree.root()) * f64::from(scale * scale);
+        if layers > MOST_LAYERS {
+            let need =
+                format!("its transparent groups and filters would need {:.0} MB at a time", layers / 1e6);
+            return Err(wrong(need));
+        }
+        let png = rendered(&tree, [width, height].map(|length| length as u32), scale, Color::WHITE);
+        let value = png.map_err(|error| wrong(error.to_string()))?;
+        let mut warnings =
+            vec![format!("this drawing is rasterised as a picture of {width} x {height} pixels")];
+        let has = |what: &str| text.contains(what);
+        if has("<text") && !has("Roboto") {
+            warnings.push("text in this drawing is drawn in Roboto".to_owned());
+        }
+        if has("<image") {
+            warnings.push("pictures in this drawing are left out".to_owned());
+        }
+        if has("<foreignObject") {
+            warnings.push("HTML in this drawing is left out".to_owned());
+        }
+        Ok(Warned { value, warnings })
+    }
+
+    /// Returns the memory of the layers that a group needs at a time, bytes.
+    fn layers(group: &Group) -> f64 {
+        let area = group.layer_bounding_box();
+        let buffers = match (group.should_isolate(), group.filters().is_empty()) {
+            (_, false) => 4.0,
+            (true, true) => 1.0,
+            (false, true) => 0.0,
+        };
+        let own = buffers * 4.0 * f64::from(area.width()) * f64::from(area.height());
+        let of_child = |node: &Node| match node {
+            Node::Group(group) => layers(group),
+            _ => 0.0,
+        };
+        own + group.children().iter().map(of_child).fold(0.0, f64::max)
+    }
+}
