@@ -331,7 +331,11 @@ pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
 /// With a polariser or polarised light.
 pub(crate) fn of_pages(scene: &Scene) -> Result<Scene, DisplayError> {
     let places = of_places(scene)?;
-    Ok(if is_whole(scene) && scene.lighting.directed.is_empty() { scene.clone() } else { places })
+    Ok(if is_whole_in_pages(scene) { scene.clone() } else { places })
+}
+
+fn is_whole_in_pages(scene: &Scene) -> bool {
+    is_whole(scene) && scene.lighting.directed.is_empty()
 }
 
 /// Returns a note if light with its places counts as unpolarised after each of several meetings with faces or films.
@@ -340,7 +344,8 @@ pub fn note_of_places(scene: &Scene) -> Option<String> {
         Some(meetings) => meetings.mix(),
         None => scene.display.panel().is_none() && !runs(scene).is_empty(),
     };
-    (is_followed(scene) && !is_flat_paper(scene) && meets_several()).then(|| {
+    let is_apart = is_flat_paper(scene) || is_whole_in_pages(scene);
+    (is_followed(scene) && !is_apart && meets_several()).then(|| {
         "light with its places counts as unpolarised after each face and film here, where `papilio run` keeps s and p apart: \
          several meetings at more than 45 deg are some per cent wrong"
             .to_owned()
