@@ -9,7 +9,7 @@
 //!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
 //!
-//! - above a liquid crystal, below flat faces and components alone, the whole coherency matrix of light is followed ([`is_whole`],
+//! - above a liquid crystal, below flat layers alone, the whole coherency matrix of light is followed ([`is_whole`],
 //!   [`Mueller`](papilio_transport::Mueller)).
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
@@ -65,9 +65,8 @@ impl Asked {
         };
         let why = if !is_followed(scene) {
             "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
-        } else if matches!(scene.display.pixel, Pixel::Crystal(_)) && !is_whole(scene) && is_flat_above(scene)
-        {
-            "one flat face and components in air above a liquid crystal (or a scatterer): between several layers its light counts as unpolarised"
+        } else if is_whole(scene) && has_coating(scene) {
+            "bare faces and components above a liquid crystal (or a scatterer): the phase between s and p in a coating is not followed"
         } else if scene.display.filter().is_some() {
             "a display without a colour filter above its pixels: light with its places counts as unpolarised"
         } else if !is_whole(scene)
@@ -280,7 +279,14 @@ pub(crate) fn reaches_pixel(scene: &Scene) -> Result<bool, DisplayError> {
 
 /// Returns whether they are kept apart by flat layers between a scatterer and the mirror.
 fn has_mirror_run(scene: &Scene) -> bool {
-    is_followed(scene) && scene.display.panel().is_none() && runs(scene).iter().any(|run| run.meets_mirror)
+    is_followed(scene)
+        && scene.display.panel().is_none()
+        && !is_whole(scene)
+        && runs(scene).iter().any(|run| run.meets_mirror)
+}
+
+fn has_coating(scene: &Scene) -> bool {
+    scene.display.layers.iter().any(|layer| matches!(layer.interface, scene::Interface::Coating(_)))
 }
 
 /// Returns the stack with what it is for s and p; `pixel` is that of light of s and of p, if they are kept apart where
@@ -289,6 +295,15 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
     let weights = weights(scene)?;
     if weights.is_none() && (!is_followed(scene) || stack.panel().is_some()) {
         return Ok(stack);
+    }
+    if is_whole(scene) {
+        let both = [Polarisation::S, Polarisation::P]
+            .map(|polarisation| of_polarisation(scene, stack.layers(), polarisation));
+        let [s, p] = both;
+        let interfaces = [s?, p?].map(|own| own.into_iter().map(|layer| layer.interface).collect());
+        let between = stack.layers().split_last().map_or(&[][..], |(_, above)| above);
+        let media = between.iter().map(|layer| layer.medium.clone()).collect();
+        return Ok(stack.with_flat_run(FlatRun::new(interfaces, media)));
     }
     let runs = if weights.is_none() { runs(scene) } else { Vec::new() };
     if weights.is_none() && runs.is_empty() {
@@ -357,14 +372,14 @@ fn is_flat_paper(scene: &Scene) -> bool {
     let display = &scene.display;
     let is_paper =
         matches!(&display.pixel, Pixel::Uniform(UniformPixel { kind: UniformKind::Lambertian, .. }));
-    is_paper && display.filter().is_none() && display.panel().is_none() && is_flat_above(scene)
+    is_paper && display.filter().is_none() && display.panel().is_none() && display.is_flat()
 }
 
-/// Returns whether the pixel is a liquid crystal below flat faces and components alone, so that polarised light is followed to the end.
+/// Returns whether the pixel is a liquid crystal below flat layers alone, so that polarised light is followed to the end.
 pub(crate) fn is_whole(scene: &Scene) -> bool {
     let display = &scene.display;
     matches!(display.pixel, Pixel::Crystal(_))
-        && display.is_bare()
+        && display.is_flat()
         && display.filter().is_none()
         && is_followed(scene)
 }
@@ -372,11 +387,6 @@ pub(crate) fn is_whole(scene: &Scene) -> bool {
 /// Returns whether, in addition, anything else than the pixel is polarised.
 pub(crate) fn needs_whole(scene: &Scene) -> bool {
     is_whole(scene) && Asked::of(scene).is_some()
-}
-
-/// Returns whether all layers are flat.
-fn is_flat_above(scene: &Scene) -> bool {
-    flat_from(scene, 0) == (0..scene.display.layers.len(), true)
 }
 
 /// True if the solver follows s and p.
@@ -450,12 +460,7 @@ fn keeps(layer: &scene::Layer) -> bool {
 }
 
 fn is_flat(interface: &scene::Interface) -> bool {
-    use Ready::{Component, Fresnel, IdealAr, Open};
-    match interface {
-        scene::Interface::Coating(_) => true,
-        scene::Interface::Ready(ready) => matches!(ready, Open | IdealAr | Fresnel | Component(_)),
-        _ => false,
-    }
+    interface.is_flat()
 }
 
 /// Flat layers within which light meets several faces.
@@ -480,9 +485,12 @@ fn runs(scene: &Scene) -> Vec<Run> {
             true => Meetings::with_mirror(scene, run.clone()),
             false => None,
         };
-        let meets_mirror = with_mirror.is_some();
-        let meetings = with_mirror.unwrap_or_else(|| Meetings::within(scene, run.clone()));
-        if meetings.mix() && !(meets_mirror && run.start == 0) {
+        // Also a single face: a liquid crystal changes what returns to it.
+        let meets_crystal = is_last && run.start > 0 && matches!(scene.display.pixel, Pixel::Crystal(_));
+        let own = Meetings::within(scene, run.clone());
+        let meets_mirror = with_mirror.is_some() || meets_crystal && own.reflecting > 0;
+        let meetings = with_mirror.unwrap_or(own);
+        if meets_crystal && own.reflecting > 0 || meetings.mix() && !(meets_mirror && run.start == 0) {
             found.push(Run { layers: run, meets_mirror });
         }
     }

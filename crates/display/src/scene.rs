@@ -124,6 +124,11 @@ impl Display {
         self.panel().is_some_and(|panel| !matches!(panel.face, Ready::Diffuser(_)))
     }
 
+    /// Returns whether nothing scatters above the pixel.
+    pub fn is_flat(&self) -> bool {
+        self.layers.iter().all(|layer| layer.interface.is_flat() && layer.medium.scattering.is_none())
+    }
+
     /// Returns the refractive index of the medium above the pixel.
     pub fn index_above_pixel(&self) -> &Spectrum {
         // Layers are never empty.
@@ -196,6 +201,18 @@ pub enum Interface {
     },
     /// A surface given by its geometry, which is measured when the scene is prepared.
     OfSurface(Arc<SurfaceFace>),
+}
+
+impl Interface {
+    /// Returns whether it reflects and transmits light without scattering it.
+    pub fn is_flat(&self) -> bool {
+        use Ready::{Component, Fresnel, IdealAr, Open};
+        match self {
+            Self::Coating(_) => true,
+            Self::Ready(ready) => matches!(ready, Open | IdealAr | Fresnel | Component(_)),
+            Self::Rough { .. } | Self::OfSurface(_) => false,
+        }
+    }
 }
 
 impl From<Ready> for Interface {

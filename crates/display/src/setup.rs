@@ -17,8 +17,8 @@ use papilio_optics::rough::Rough;
 use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    Approximation, Base, Cone, Interface, Layer, Medium, NotAPanel, ReflectanceFactor, Reflector, Source,
-    Stack,
+    Approximation, Base, Cone, Interface, Layer, Medium, MuellerByDirection, NotAPanel, ReflectanceFactor,
+    Reflector, Source, Stack,
 };
 
 use crate::DisplayError;
@@ -130,7 +130,7 @@ impl Towards {
     fn cosines(self, scene: &Scene) -> Option<Vec<[f64; 2]>> {
         // What a bare panel shows of a direction, its pixel reflects in this direction.
         let display = &scene.display;
-        let is_bare = display.is_bare() && display.filter().is_none();
+        let is_bare = display.is_flat() && display.filter().is_none();
         let is_crystal = matches!(display.pixel, scene::Pixel::Crystal(_));
         let is_plain = scene.solver.angle_medium == AngleMedium::Air
             && scene.viewer.numerical_aperture.is_none()
@@ -231,6 +231,21 @@ impl Setup {
         Self::with_filter(&scene, control)
     }
 
+    /// Returns a note if a liquid crystal is interpolated between directions.
+    pub(crate) fn note_of_table(&self) -> Option<String> {
+        let is_exact = self
+            .stack
+            .mueller()
+            .is_some_and(|mueller| matches!(mueller.by_direction, MuellerByDirection::Exact(_)));
+        let is_table = matches!(self.scene.display.pixel, scene::Pixel::Crystal(_)) && !is_exact;
+        is_table.then(|| {
+            format!(
+                "the liquid crystal is interpolated between directions within {} as a reflectance, besides the stated errors",
+                pixel::CRYSTAL_TABLE_ERROR
+            )
+        })
+    }
+
     /// Refuses a computation that does not know azimuths if the pixel depends on them.
     pub(crate) fn knows_azimuth(&self, what: &'static str) -> Result<(), DisplayError> {
         if !self.stack.base().is_azimuthal() {
@@ -262,16 +277,17 @@ impl Setup {
         let weights_changed = is_whole != polarisation::is_whole(&last)
             || is_whole && pixel::has_few_directions(scene) != pixel::has_few_directions(&last)
             || polarisation::needs_whole(scene) != polarisation::needs_whole(&last)
-            || apart != self.stack.polarised_bases().is_some()
+            || apart && self.stack.polarised_bases().is_none() && self.stack.mueller().is_none()
+            || !apart && self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         if scene.grid != last.grid || solver_changed || weights_changed {
             return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
         let cosines = towards.cosines(scene);
-        // Below a bare face, the pixel is known in fewer directions.
+        // Below flat layers, the pixel is known in fewer directions.
         let is_crystal = matches!(scene.display.pixel, scene::Pixel::Crystal(_));
-        let directions_changed = is_crystal && scene.display.is_bare() != last.display.is_bare();
+        let directions_changed = is_crystal && scene.display.is_flat() != last.display.is_flat();
         if index_changed
             || directions_changed
             || scene.display.pixel != last.display.pixel

@@ -42,6 +42,7 @@ fn panel() -> Panel {
         single_pass: false,
         mueller: None,
         whole: None,
+        run: None,
     }
 }
 

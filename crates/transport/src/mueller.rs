@@ -3,7 +3,8 @@
 //! Light of one direction is given by its coherency matrix in the frame of p and s, as four numbers: `|p|^2`, `|s|^2`, `sqrt 2 Re(p s*)` and
 //! `sqrt 2 Im(p s*)`. A flat part with equal properties in all azimuths multiplies each of them by a factor; the pixel acts by a matrix `C` of 4x4
 //! elements. With the transmittances `t` and the reflectances `b` from below of all that is above the pixel, light `l` has the sum of all orders
-//! `(1 - C b) y = C t l` at the pixel, and leaves as `t y`.
+//! `(1 - C b) y = C t l` at the pixel, and leaves as `t y`. The third and fourth number are parts of the complex `sqrt 2 p s*`, whose factors may be complex,
+//! too, where light is totally reflected above the pixel ([`Crossed`]).
 //!
 //! Frames: p lies in the plane of incidence, s across it, and (p, s, direction of travel) is right-handed before and after reflection. By reciprocity
 //! `C(phi + 180 deg) = G C(phi)^T G` with `G = diag(1, 1, -1, 1)`: half of the sum, and half of the difference, of two mirrored elements are functions
@@ -15,16 +16,17 @@ use std::f64::consts::SQRT_2;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use num_complex::Complex64;
 use papilio_optics::film::Polarisation;
 use papilio_optics::{Beta, with_widest_simd};
 use papilio_spectra::StateSpectra;
 
 use crate::angular::add_rows;
 use crate::front::Flat;
-use crate::layers::fresnel_of;
+use crate::layers::{Crossed, Incidence, LayerKind, fresnel_of};
 use crate::light::polarised::{Frame, Quartet, light_of};
 use crate::specular::FlatTop;
-use crate::{Cone, CosinePanels, Medium, Panel, ReflectanceFactor, Top, Vibration};
+use crate::{Cone, CosinePanels, FlatRun, Medium, Panel, ReflectanceFactor, Top, Vibration};
 
 /// Signs by which reciprocity changes the elements of the four numbers.
 const RECIPROCAL: Quartet = [1.0, 1.0, -1.0, 1.0];
@@ -233,12 +235,43 @@ pub(crate) struct Orders<'a> {
     pixel: Vec<f64>,
 }
 
-/// All that is above the pixel, at one wavelength: factors of the four numbers.
+/// All that is above the pixel, at one wavelength: factors of `|p|^2`, of `|s|^2`, and of `p s*`.
 #[derive(Debug, Clone, Copy)]
-struct Above([Flat; 4]);
+pub(crate) struct Above {
+    p: Flat,
+    s: Flat,
+    crossed: Crossed,
+}
 
 impl Above {
+    /// Returns several flat layers below a medium of this index, with the medium below them.
+    pub(crate) fn of_run(
+        run: &FlatRun,
+        index_above: f64,
+        below: &Medium,
+        beta_squared: f64,
+        bin: usize,
+    ) -> Self {
+        let at = Incidence {
+            bin,
+            indices: [index_above, below.index()[bin]],
+            beta: beta_squared.sqrt(),
+            beta_squared,
+        };
+        let passes = below.regular(&Incidence::between([below; 2], bin, beta_squared));
+        let [s, p] = run.of_each(&at).map(|flat| flat.over(passes));
+        Self { p, s, crossed: run.crossed(&at).over(Crossed::of_both(passes, 1.0)) }
+    }
+
+    /// Returns the mean over s and p.
+    pub(crate) fn mean(&self) -> Flat {
+        Flat::mean([self.p, self.s])
+    }
+
     fn new(panel: &Panel, beta_squared: f64, bin: usize) -> Self {
+        if let Some(run) = &panel.run {
+            return Self::of_run(run, 1.0, &panel.medium, beta_squared, bin);
+        }
         let front = panel.front.at(bin);
         let crossed = Flat { above: -front.above, below: -front.below, ..front };
         let (p, s, both) = match &panel.top {
@@ -256,9 +289,68 @@ impl Above {
             _ if beta_squared <= 1.0 => (Flat::CLEAR, Flat::CLEAR, Flat::CLEAR),
             _ => (Flat::MIRROR, Flat::MIRROR, Flat::MIRROR),
         };
-        let both = crossed.over(both);
-        Self([front.over(p), front.over(s), both, both])
+        let crossed = Crossed::of_both(crossed.over(both), 1.0);
+        Self { p: front.over(p), s: front.over(s), crossed }
     }
+
+    /// Returns what becomes of light by these factors: transmitted, mirrored from above, or from below.
+    fn applied(
+        &self,
+        flat: impl Fn(&Flat) -> f64,
+        crossed: impl Fn(&Crossed) -> Complex64,
+        light: Quartet,
+    ) -> Quartet {
+        let product = crossed(&self.crossed) * Complex64::new(light[2], light[3]);
+        [flat(&self.p) * light[0], flat(&self.s) * light[1], product.re, product.im]
+    }
+
+    fn transmitted(&self, light: Quartet) -> Quartet {
+        self.applied(|flat| flat.t, |crossed| crossed.t, light)
+    }
+
+    fn mirrored(&self, light: Quartet) -> Quartet {
+        self.applied(|flat| flat.above, |crossed| crossed.above, light)
+    }
+
+    /// Returns a row of the matrix of a pixel times the matrix of what is mirrored from below.
+    fn returned_times(&self, row: Quartet) -> Quartet {
+        let Complex64 { re, im } = self.crossed.below;
+        let [p, s, u, v] = row;
+        [p * self.p.below, s * self.s.below, u * re + v * im, v * re - u * im]
+    }
+}
+
+/// Returns what a meter sees, via the pixel of these matrices `[state][element][wavelength]`, of light, `[state][wavelength]`.
+fn via_pixel(matrices: &[f64], above: &[Above], meter: Quartet, light: Quartet) -> Vec<f64> {
+    let bins = above.len();
+    let mut out = Vec::with_capacity(matrices.len() / Mueller::ELEMENTS);
+    for of_state in matrices.chunks_exact(Mueller::ELEMENTS * bins) {
+        for (bin, above) in above.iter().enumerate() {
+            if above.p.t == 0.0 && above.s.t == 0.0 {
+                out.push(0.0);
+                continue;
+            }
+            let arrives = above.transmitted(light);
+            let mut open: [[f64; 5]; 4] = [[0.0; 5]; 4];
+            for (row, of_row) in open.iter_mut().enumerate() {
+                let pixel: Quartet = std::array::from_fn(|column| of_state[(4 * row + column) * bins + bin]);
+                let again = above.returned_times(pixel);
+                (0..4).for_each(|column| of_row[column] = f64::from(u8::from(row == column)) - again[column]);
+                of_row[4] = dot(pixel, arrives);
+            }
+            out.push(dot(meter, above.transmitted(solved(open))));
+        }
+    }
+    out
+}
+
+fn dot(meter: Quartet, light: Quartet) -> f64 {
+    meter.iter().zip(light).map(|(meter, light)| meter * light).sum()
+}
+
+/// Returns the unpolarised light, `[state][wavelength]`, that returns via the pixel through flat layers above it.
+pub(crate) fn returned_via(pixel: &Mueller, (beta, medium): (Beta, &Medium), above: &[Above]) -> Vec<f64> {
+    via_pixel(&pixel.at(beta, medium), above, METER, LIGHT)
 }
 
 impl<'a> Orders<'a> {
@@ -271,17 +363,17 @@ impl<'a> Orders<'a> {
 
     /// Sets the means over s and p of all that is above the pixel.
     pub(crate) fn set(&self, flat: &mut FlatTop) {
-        for (bin, Above([p, s, ..])) in self.above.iter().enumerate() {
-            let mean = Flat::mean([*p, *s]);
+        for (bin, above) in self.above.iter().enumerate() {
+            let mean = above.mean();
             (flat.t[bin], flat.above[bin], flat.below[bin]) = (mean.t, mean.above, mean.below);
         }
     }
 
     /// Computes the reflectance of a pixel with which the means over s and p return as much unpolarised light via the pixel.
     pub(crate) fn equivalent(&self, flat: &FlatTop, out: &mut [f64]) {
-        let via = self.seen_by(METER, LIGHT).via_pixel;
+        let via = via_pixel(&self.pixel, &self.above, METER, LIGHT);
         let bins = flat.t.len();
-        for (k, (out, via)) in out.iter_mut().zip(via.iter()).enumerate() {
+        for (k, (out, via)) in out.iter_mut().zip(&via).enumerate() {
             let open = flat.t[k % bins].powi(2) + flat.below[k % bins] * via;
             *out = if open > 0.0 { via / open } else { 0.0 };
         }
@@ -296,27 +388,9 @@ impl<'a> Orders<'a> {
     }
 
     fn seen_by(&self, meter: Quartet, light: Quartet) -> ReflectanceFactor {
-        let (bins, states) = (self.panel.base.bins(), self.panel.base.states());
-        let mut via_pixel = StateSpectra::zeros(states, bins);
-        for (of_state, out) in self.pixel.chunks_exact(16 * bins).zip(via_pixel.chunks_exact_mut(bins)) {
-            for (bin, out) in out.iter_mut().enumerate() {
-                let Above(above) = &self.above[bin];
-                let element = |row: usize, column: usize| of_state[(4 * row + column) * bins + bin];
-                let mut open: [[f64; 5]; 4] = [[0.0; 5]; 4];
-                for (row, of_row) in open.iter_mut().enumerate() {
-                    for column in 0..4 {
-                        let c = element(row, column);
-                        of_row[column] = f64::from(u8::from(row == column)) - c * above[column].below;
-                        of_row[4] += c * above[column].t * light[column];
-                    }
-                }
-                let y = solved(open);
-                *out = (0..4).map(|k| meter[k] * above[k].t * y[k]).sum();
-            }
-        }
-        let front =
-            self.above.iter().map(|Above(above)| (0..4).map(|k| meter[k] * above[k].above * light[k]).sum());
-        ReflectanceFactor { via_pixel, front: front.collect() }
+        let via = via_pixel(&self.pixel, &self.above, meter, light);
+        let front = self.above.iter().map(|above| dot(meter, above.mirrored(light)));
+        ReflectanceFactor { via_pixel: StateSpectra::new(via, self.above.len()), front: front.collect() }
     }
 }
 

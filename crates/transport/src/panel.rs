@@ -7,7 +7,7 @@ use std::sync::Arc;
 use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
-use crate::{Base, Component, Diffuser, Front, Interface, Layer, Medium, Mueller, WholeView};
+use crate::{Base, Component, Diffuser, FlatRun, Front, Interface, Layer, Medium, Mueller, WholeView};
 
 /// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
 #[derive(Debug, Clone)]
@@ -30,6 +30,8 @@ pub struct Panel {
     pub mueller: Option<Arc<Mueller>>,
     /// What is polarised above it.
     pub whole: Option<WholeView>,
+    /// Above such a pixel, several flat layers, in the place of front and top.
+    pub run: Option<FlatRun>,
 }
 
 /// Interface between air and the medium.
@@ -145,6 +147,23 @@ impl Panel {
             single_pass,
             mueller: None,
             whole: None,
+            run: None,
+        }
+    }
+
+    /// The panel of several flat layers above a mirror-like pixel that may change polarisation.
+    pub(crate) fn below_run(run: FlatRun, medium: &Medium, base: Base) -> Self {
+        Self {
+            front: Front::none(base.bins()),
+            top: Top::Fresnel(medium.index().clone()),
+            polarisation: None,
+            medium: medium.clone(),
+            gaps_mm: Vec::new(),
+            base,
+            single_pass: false,
+            mueller: None,
+            whole: None,
+            run: Some(run),
         }
     }
 }

@@ -6,7 +6,7 @@ use papilio_spectra::StateSpectra;
 use crate::front::Flat;
 use crate::layers::fresnel_of;
 use crate::light::images::{Mirror, image_points};
-use crate::mueller::Orders;
+use crate::mueller::{Above, Orders};
 use crate::skeleton::{Ray, Skeleton};
 use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
@@ -166,6 +166,13 @@ impl FlatTop {
     ///
     /// Of a pixel that changes polarisation, see [`Orders::set`].
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
+        if let Some(run) = &stack.run {
+            for bin in 0..self.t.len() {
+                let both = Above::of_run(run, 1.0, &stack.medium, beta_squared, bin).mean();
+                (self.t[bin], self.above[bin], self.below[bin]) = (both.t, both.above, both.below);
+            }
+            return;
+        }
         let is_constant = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
         let first = face(stack, beta_squared, 0);
         for bin in 0..self.t.len() {

@@ -19,9 +19,11 @@ use papilio_optics::Beta;
 use papilio_spectra::Spectrum;
 
 use crate::layers::{LayerKind, least_edge};
-use crate::mirror_run::MirrorRun;
+use crate::mirror_run::{Mirror, MirrorRun};
 use crate::polarised_view::PolarisedView;
-use crate::{Approximation, Base, Interface, Medium, Mueller, Panel, PanelParts, Reflector, Source, Top};
+use crate::{
+    Approximation, Base, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector, Source, Top,
+};
 
 /// Layers over a pixel.
 #[derive(Debug, Clone)]
@@ -127,7 +129,8 @@ impl Stack {
     #[must_use]
     pub fn with_runs(self, layers: Vec<Layer>, mirrors: Option<[Base; 2]>) -> Self {
         let mut in_runs = Self::general(layers, self.base().clone());
-        let mirror_run = mirrors.and_then(|mirrors| MirrorRun::new(&in_runs.layers, mirrors));
+        let mirror = mirrors.map(|mirrors| Mirror::OfEach(Box::new(mirrors)));
+        let mirror_run = mirror.and_then(|mirror| MirrorRun::new(&in_runs.layers, mirror));
         in_runs.mirror_run = mirror_run.map(Box::new);
         Self { in_runs: Some(Box::new(in_runs)), ..self }
     }
@@ -150,8 +153,7 @@ impl Stack {
         if let Some(both) = self.polarised() {
             return Some(both.each_ref().map(Self::base));
         }
-        let run = self.in_runs.as_deref()?.mirror_run.as_deref()?;
-        Some(run.mirrors.each_ref())
+        self.in_runs.as_deref()?.mirrors().map(|mirrors| mirrors.each_ref())
     }
 
     /// The same for modification; whether they scatter must not change.
@@ -159,20 +161,25 @@ impl Stack {
         if let Some(polarised) = self.polarised.as_deref_mut() {
             return Some(polarised.both.each_mut().map(Self::base_mut));
         }
-        let run = self.in_runs.as_deref_mut()?.mirror_run.as_deref_mut()?;
-        Some(run.mirrors.each_mut())
+        match &mut self.in_runs.as_deref_mut()?.mirror_run.as_deref_mut()?.mirror {
+            Mirror::OfEach(mirrors) => Some(mirrors.each_mut()),
+            Mirror::Changing(_) => None,
+        }
     }
 
     /// The mirror for s and for p, if they are kept apart by layers below the last scatterer together with it.
     pub(crate) fn mirrors(&self) -> Option<&[Base; 2]> {
-        self.mirror_run.as_deref().map(|run| &run.mirrors)
+        match &self.mirror_run.as_deref()?.mirror {
+            Mirror::OfEach(mirrors) => Some(mirrors),
+            Mirror::Changing(_) => None,
+        }
     }
 
     /// Computes the reflectance of the base, `[state][wavelength]`: below a run that keeps s and p apart together with
     /// it, that for mean light.
     pub(crate) fn reflectance_of(&self, base: &Base, beta: Beta, medium: &Medium, out: &mut [f64]) {
         match &self.mirror_run {
-            Some(run) => run.reflectance(beta.squared(), out),
+            Some(run) => run.reflectance(beta, out),
             None => base.reflectance_towards(beta, medium, out),
         }
     }
@@ -182,23 +189,60 @@ impl Stack {
         self.in_runs.as_deref().unwrap_or(self)
     }
 
-    /// Sets the pixel of a panel for polarised light, with as many states and wavelengths: a pixel that changes polarisation. Another pixel in its place
-    /// ends that.
+    /// Returns the same stack, for light without regard to places as a panel with these flat layers, all of its own, as one run: s and p are kept apart
+    /// above a pixel that changes polarisation.
+    #[must_use]
+    pub fn with_flat_run(self, run: FlatRun) -> Self {
+        let air = Medium::new(vec![1.0; self.base().bins()].into());
+        let medium = self.layers.last().map_or(&air, |layer| &layer.medium);
+        let panel = Panel::below_run(run, medium, self.base().clone());
+        let in_runs = Self::of(self.layers.clone(), Form::Panel(panel));
+        Self { in_runs: Some(Box::new(in_runs)), ..self }
+    }
+
+    /// Returns whether *adding* knows the azimuth of light at the pixel, if the pixel depends on it.
+    pub fn adding_knows_azimuth(&self) -> bool {
+        self.in_runs().panel().is_some() || !self.base().is_azimuthal()
+    }
+
+    /// Sets the pixel for polarised light, with as many states and wavelengths: a pixel that changes polarisation below flat layers. Another pixel in
+    /// its place ends that.
     pub fn set_mueller(&mut self, mueller: Option<Arc<Mueller>>) {
-        if let Form::Panel(panel) = &mut self.form {
-            panel.mueller = mueller.filter(|_| !matches!(panel.top, Top::Diffuser(_)));
+        if let Some(in_runs) = &mut self.in_runs {
+            return in_runs.set_mueller(mueller);
+        }
+        match &mut self.form {
+            Form::Panel(panel) => {
+                panel.mueller = mueller.filter(|_| !matches!(panel.top, Top::Diffuser(_)));
+            }
+            Form::General(_) => {
+                let mirror = mueller.map(Mirror::Changing);
+                let run = mirror.and_then(|mirror| MirrorRun::new(&self.layers, mirror));
+                if run.is_some() || self.mirrors().is_none() {
+                    self.mirror_run = run.map(Box::new);
+                }
+            }
         }
     }
 
-    /// The pixel of a panel for polarised light.
+    /// The pixel for polarised light, if it changes polarisation.
     pub fn mueller(&self) -> Option<&Arc<Mueller>> {
-        self.panel()?.mueller.as_ref()
+        let stack = self.in_runs();
+        match (&stack.form, stack.mirror_run.as_deref()) {
+            (Form::Panel(panel), _) => panel.mueller.as_ref(),
+            (_, Some(MirrorRun { mirror: Mirror::Changing(mueller), .. })) => Some(mueller),
+            _ => None,
+        }
     }
 
     /// Sets what is polarised: sources are those with these numbers in the lists of kernels and walks.
     pub fn set_polarised_view(&mut self, view: Option<PolarisedView>) {
+        let whole = || view.as_ref().and_then(|view| view.whole.clone());
+        if let Some(Form::Panel(panel)) = self.in_runs.as_deref_mut().map(|in_runs| &mut in_runs.form) {
+            panel.whole = whole();
+        }
         if let Form::Panel(panel) = &mut self.form {
-            panel.whole = view.as_ref().and_then(|view| view.whole.clone());
+            panel.whole = whole();
         }
         self.polarised_view = view.map(Arc::new);
     }
@@ -295,6 +339,9 @@ impl Stack {
     pub fn set_base(&mut self, base: Base) {
         if let Some(in_runs) = &mut self.in_runs {
             in_runs.set_base(base.clone());
+        }
+        if self.mueller().is_some() {
+            self.mirror_run = None;
         }
         match &self.form {
             Form::Panel(Panel { top: Top::Diffuser(_), .. }) if base.is_azimuthal() => {

@@ -23,7 +23,7 @@ use crate::scene::CrystalPixel;
 const HARMONIC_ERROR: f64 = 5e-5;
 
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
-const TABLE_ERROR: f64 = 1e-4;
+pub(crate) const TABLE_ERROR: f64 = 1e-4;
 
 /// The same where light is trapped by total reflection: only scatterers with wide lobes send light there, and towards grazing directions the waves that
 /// the layers guide make narrow peaks.
@@ -155,8 +155,14 @@ impl Crystal {
         })
     }
 
-    /// Returns the first `count` harmonics of all functions, `[state][element][harmonic][wavelength]`, from at most this number of azimuths.
-    fn harmonics(&self, sine: f64, in_air: bool, count: usize, most: usize) -> Result<Vec<f64>, OpticsError> {
+    /// Returns the first `count` harmonics of all functions, `[state][element][harmonic][wavelength]`, from at most this number of azimuths; those
+    /// below `error` are left out.
+    fn harmonics(
+        &self,
+        (sine, in_air): (f64, bool),
+        (count, most): (usize, usize),
+        error: f64,
+    ) -> Result<Vec<f64>, OpticsError> {
         if count == 1 {
             // The same at all azimuths.
             return self.functions(&mut self.waves(sine, in_air)?, &[0.0]);
@@ -169,7 +175,7 @@ impl Crystal {
         loop {
             let own = count.min(azimuths - 1);
             let found = self.harmonics_of(&rows, azimuths, own);
-            if azimuths >= most || self.are_last_small(&found, own) {
+            if azimuths >= most || self.are_last_small(&found, own, error) {
                 return Ok(self.padded(found, own, count));
             }
             let between: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * (k as f64 + 0.5)).collect();
@@ -199,11 +205,11 @@ impl Crystal {
     }
 
     /// True if the harmonics of the upper half of the orders, of which at least two are known, are negligible.
-    fn are_last_small(&self, harmonics: &[f64], count: usize) -> bool {
+    fn are_last_small(&self, harmonics: &[f64], count: usize, error: f64) -> bool {
         let bins = self.index.len();
         let rows = harmonics.chunks_exact(bins).enumerate();
         let mut upper = rows.filter(|(at, _)| (at % count).div_ceil(2) > count / 4);
-        upper.all(|(_, row)| row.iter().all(|value| value.abs() < HARMONIC_ERROR))
+        upper.all(|(_, row)| row.iter().all(|value| value.abs() < error))
     }
 
     /// Adds harmonics of 0.
@@ -224,7 +230,7 @@ impl Crystal {
 
     fn count_at(&self, sine: f64, in_air: bool, error: f64) -> Result<usize, OpticsError> {
         let most = MOST_AZIMUTHS - 1;
-        let all = self.harmonics(sine, in_air, most, MOST_AZIMUTHS)?;
+        let all = self.harmonics((sine, in_air), (most, MOST_AZIMUTHS), error)?;
         let bins = self.index.len();
         let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > error);
         let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
@@ -256,7 +262,7 @@ fn weight(harmonic: usize, odd: bool, k: usize, azimuths: usize) -> f64 {
 /// How a liquid-crystal pixel is seen.
 #[derive(Clone, Copy)]
 pub(super) struct Seen<'a> {
-    /// Below flat layers in air, light has directions that exist in air: others are left at 0, unless it is unrefracted.
+    /// Below flat layers, light has directions that exist in air: others are left at 0, unless it is unrefracted.
     pub(super) is_bare: bool,
     /// Below a colour filter.
     pub(super) is_filtered: bool,
@@ -303,9 +309,13 @@ pub(super) fn base(
             return Ok(vec![0.0; cosines.len() * states * elements * count * bins]);
         }
         control.map_or(Ok(()), Control::check)?;
-        let rows = cosines
-            .par_iter()
-            .map(|cosine| crystal.harmonics((1.0 - cosine * cosine).max(0.0).sqrt(), false, count, most));
+        // Ends of panels are known to rounding.
+        let is_trapped = ends(cosines)[1] <= trapped * (1.0 + 1e-9);
+        let harmonic_error = if is_trapped { TRAPPED_ERROR } else { HARMONIC_ERROR };
+        let rows = cosines.par_iter().map(|cosine| {
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            crystal.harmonics((sine, false), (count, most), harmonic_error)
+        });
         let rows = rows.collect::<Result<Vec<_>, _>>()?.concat();
         // Panels come in ascending order of the cosine.
         let done = cosines.iter().copied().fold(lowest, f64::max);

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
-pub(crate) use crystal::AZIMUTH_BELOW_FILTER;
+pub(crate) use crystal::{AZIMUTH_BELOW_FILTER, TABLE_ERROR as CRYSTAL_TABLE_ERROR};
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
@@ -162,7 +162,7 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_filtered = scene.display.filter().is_some();
-            let is_bare = scene.display.is_bare() && !is_filtered;
+            let is_bare = scene.display.is_flat() && !is_filtered;
             let seen =
                 crystal::Seen { is_bare, is_filtered, unrefracted, polarised: false, phases: false, cosines };
             Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
@@ -194,10 +194,10 @@ pub(crate) fn bases(
         Pixel::Film(pixel) if kept_apart => {
             film::polarised_bases(pixel, &scene.grid, scene.display.index_above_pixel(), film, before)
         }
-        Pixel::Crystal(pixel) if polarisation::is_whole(scene) => {
+        Pixel::Crystal(pixel) if kept_apart || polarisation::is_whole(scene) => {
             let phases = polarisation::needs_whole(scene);
             let seen = crystal::Seen {
-                is_bare: true,
+                is_bare: !kept_apart,
                 is_filtered: false,
                 unrefracted: false,
                 polarised: true,

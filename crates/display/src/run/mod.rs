@@ -324,6 +324,7 @@ impl Run<'_> {
         let (views, reference_white) = (against_angle(views), self.meter.reference_white());
         let mut notes = notes(&views, reference_white);
         notes.extend(polarisation::notes(self.scene));
+        notes.extend(self.setup.note_of_table());
         notes.extend(if solver.paths.is_some() { self.few_paths_below() } else { self.across_the_end() });
         warnings.extend(self.coarse_reflectances(&views));
         RunResult {

@@ -26,13 +26,13 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 /// Returns the finest level that can be computed for the layers of a display.
 ///
 /// # Errors
-/// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light; if general layers are above a pixel that
+/// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light; if a scatterer is above a pixel that
 /// depends on azimuth.
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
-    if stack.panel().is_none() && stack.base().is_azimuthal() {
+    if !stack.adding_knows_azimuth() {
         return Err(DisplayError::Azimuth {
-            what: "adding below a scatterer or several layers",
+            what: "adding below a scatterer",
             key: "solver.method",
             hint: "\"monte-carlo\" does, by `papilio run` and `sweep`",
         });

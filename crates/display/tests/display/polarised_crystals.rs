@@ -38,15 +38,17 @@ fn spectra(scene: &Scene) -> Vec<Vec<Vec<f64>>> {
     result.views.iter().map(view).collect()
 }
 
-/// Mueller's matrix of the whole display: a thick pane of glass above the pixel's layers.
+/// Mueller's matrix of the whole display: a thick pane of each medium above the pixel's layers.
 fn whole(scene: &Scene, [theta_deg, phi_deg]: [f64; 2], state: usize, bin: usize) -> Mueller {
     let Pixel::Crystal(pixel) = &scene.display.pixel else { panic!("a liquid crystal") };
-    let glass = scene.display.index_above_pixel()[bin];
-    let pane = AnisotropicLayer {
-        dielectric: Dielectric::uniaxial(glass.into(), glass.into(), [0.0, 0.0, 1.0]).unwrap(),
-        thickness_nm: 1e6,
-        coherent: false,
-    };
+    let panes = scene.display.layers.iter().map(|layer| {
+        let index = layer.medium.index[bin].into();
+        AnisotropicLayer {
+            dielectric: Dielectric::uniaxial(index, index, [0.0, 0.0, 1.0]).unwrap(),
+            thickness_nm: 1e6,
+            coherent: false,
+        }
+    });
     let layers = pixel.parts.iter().flat_map(|part| {
         let slices = &part.slices[if part.slices.len() == 1 { 0 } else { state }];
         slices.iter().map(|slice| AnisotropicLayer {
@@ -59,7 +61,7 @@ fn whole(scene: &Scene, [theta_deg, phi_deg]: [f64; 2], state: usize, bin: usize
             coherent: part.coherent,
         })
     });
-    let layers = std::iter::once(pane).chain(layers).collect();
+    let layers = panes.chain(layers).collect();
     let stack = Stack { front: 1.0, layers, back: pixel.substrate[bin] };
     let wavelength_nm = scene.grid.wavelengths_nm()[bin];
     let beta = theta_deg.to_radians().sin();
@@ -107,6 +109,61 @@ fn polariser_before_the_eye_sees_the_sum_of_stokes_parameters() {
                 }
             }
         }
+    }
+}
+
+/// Cells below these layers.
+fn below(layers: &str, more: &[&str]) -> Scene {
+    let (_, stack) = CELLS.split_once('=').unwrap();
+    let text = format!(
+        "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 100\n[display]\nlayers = [{layers}]\n[display.pixel]\nmodel = \"liquid-crystal\"\n\
+         substrate = \"Ag\"\nstack = {}\n[viewer]\nfield_deg = 0\n",
+        stack
+    );
+    let sets: Vec<String> = more.iter().map(|set| (*set).to_owned()).collect();
+    Scenario::from_text(&text, "below.toml", Path::new(""), &sets).unwrap().resolve().unwrap().scene
+}
+
+const COVER: &str = "{ kind = \"medium\", index = 1.52 }, { kind = \"medium\", index = 1.0 }, { kind = \"medium\", index = 1.5 }";
+
+/// An air-spaced cover glass: three faces, between which and the cell light stays as polarised as it is. Both solvers.
+#[test]
+fn cells_below_several_faces_are_seen_through_all_of_them() {
+    let views = ["viewer.theta_deg=[0,40,70]", "viewer.phi_deg=[33,213]"];
+    for polariser in [None, Some(-35.0)] {
+        let set = polariser.map(|angle| format!("viewer.polariser={angle}"));
+        for method in ["solver.method=adding", "solver.method=monte-carlo"] {
+            let set: Vec<&str> = views.into_iter().chain(set.as_deref()).chain([method]).collect();
+            let scene = below(COVER, &set);
+            let found = spectra(&scene);
+            for (view, direction) in scene.viewer.directions().enumerate() {
+                for (state, found) in found[view].iter().enumerate() {
+                    for (bin, found) in found.iter().enumerate() {
+                        let matrix = whole(&scene, [direction.0, direction.1], state, bin);
+                        let expected = seen(&matrix, UNPOLARISED, polariser);
+                        assert!(
+                            (found - expected).abs() < 1e-3,
+                            "{method} {polariser:?} {direction:?} {state} {bin}: {found} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Below a film that scatters nothing, a face and the cell keep s, p and their phase in the light between them: as without the film, which transmits
+/// 0.9 twice.
+#[test]
+fn faces_between_a_film_and_a_cell_are_followed() {
+    let film = "{ kind = \"diffuser\", model = \"k-correlation\", width = 0.05, transmittance = 0.9, regular_fraction = 1 }";
+    let glass = "{ kind = \"medium\", index = 1.5 }";
+    let views = ["viewer.theta_deg=[0,65]", "viewer.phi_deg=[33]"];
+    let of = |layers: &str| spectra(&below(layers, &views));
+    let covered = of(&format!("{film}, {{ kind = \"medium\", index = 1.0 }}, {glass}"));
+    let bare = of(glass);
+    for (covered, bare) in covered.iter().flatten().flatten().zip(bare.iter().flatten().flatten()) {
+        assert!((covered - 0.81 * bare).abs() < 1e-3, "{covered} {bare}");
     }
 }
 
@@ -285,10 +342,10 @@ fn round(layers: &str, sets: &[&str]) -> Result<RunResult, DisplayError> {
 /// Where polarisation is not followed above a liquid crystal, a polariser is refused; above a scatterer it sees what the faces there do to s and p.
 #[test]
 fn polarisers_are_refused_where_the_light_counts_as_unpolarised() {
-    let panes = "{ kind = \"medium\", index = 1.5 }, { kind = \"medium\", index = 1.0 }, { kind = \"medium\", index = 1.5 }";
+    let coated = "{ kind = \"coating\", film = [{ material = 1.38, thickness_nm = 100 }] }, { kind = \"medium\", index = 1.5 }";
     let glass = "{ kind = \"medium\", index = 1.5 }";
     for (layers, sets, part) in [
-        (panes, &["viewer.polariser=s"][..], "between several layers"),
+        (coated, &["viewer.polariser=s"][..], "a coating"),
         (glass, &["viewer.polariser=s", "solver.approximation=unpolarised"], "solver.approximation"),
     ] {
         let error = round(layers, sets).unwrap_err();

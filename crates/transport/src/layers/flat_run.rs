@@ -6,7 +6,7 @@
 //! included, instead of being summed from the means of each face. Each polarisation
 //! has interfaces of its own ([`Interface::FresnelOf`], coatings); the media are the same for both.
 
-use super::{Incidence, Interface, LayerKind, Medium};
+use super::{Crossed, Incidence, Interface, LayerKind, Medium};
 use crate::estimate::Account;
 use crate::front::Flat;
 
@@ -29,6 +29,25 @@ impl FlatRun {
     /// The run for s and for p.
     pub(crate) fn of_each(&self, at: &Incidence) -> [Flat; 2] {
         self.interfaces.each_ref().map(|own| self.of(own, at))
+    }
+
+    /// What the run does to the product of p and s.
+    pub(crate) fn crossed(&self, at: &Incidence) -> Crossed {
+        let mut above = at.indices[0];
+        let mut whole = Crossed::CLEAR;
+        for (number, interface) in self.interfaces[0].iter().enumerate() {
+            let medium = self.media.get(number);
+            let below = medium.map_or(at.indices[1], |medium| medium.index()[at.bin]);
+            let here = Incidence { indices: [above, below], ..*at };
+            let flats = self.interfaces.each_ref().map(|own| own[number].kind().regular(&here));
+            whole = whole.over(Crossed::of(interface, flats, &here));
+            if let Some(medium) = medium {
+                let passes = medium.regular(&Incidence { indices: [below; 2], ..*at });
+                whole = whole.over(Crossed::of_both(passes, 1.0));
+            }
+            above = below;
+        }
+        whole
     }
 
     /// The run for one polarisation.

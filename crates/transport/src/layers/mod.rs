@@ -11,6 +11,7 @@
 mod action;
 mod coating;
 mod component;
+mod crossed;
 mod diffuser;
 mod flat_run;
 mod fresnel;
@@ -26,6 +27,7 @@ mod wave_face;
 pub use action::Narrowness;
 pub(crate) use action::{Action, Preparation};
 pub use component::Component;
+pub(crate) use crossed::Crossed;
 pub use diffuser::Diffuser;
 pub use flat_run::FlatRun;
 pub(crate) use fresnel::reflectance as fresnel_of;
