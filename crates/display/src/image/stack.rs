@@ -57,6 +57,9 @@ impl Several {
     const ONE: Self = Self { missed: 1e-5, without_lamps: false, by_paths: true };
 }
 
+/// X, Y and Z of each state.
+type Colours = Vec<[f32; 3]>;
+
 /// A picture below the layers of several scenes, which have the same display and differ in light or view.
 pub(super) struct Layers {
     kind: Kind,
@@ -191,7 +194,7 @@ impl Layers {
     }
 
     /// The states of the pixels, and the colour of each state in each picture, if pixels have the colours of pages.
-    pub(super) fn pages(&self) -> Option<(&[u8], Vec<Vec<[f32; 3]>>)> {
+    pub(super) fn pages(&self) -> Option<(&[u8], Vec<Colours>)> {
         let colours = |row: &Vec<f64>| row.as_chunks().0.iter().map(|one| one.map(single)).collect();
         matches!(self.kind, Kind::Pages).then(|| (&self.states[..], self.few.iter().map(colours).collect()))
     }
