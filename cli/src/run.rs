@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let out = out_folder(arguments, &resolved.hash)?;
     costs::check_paths(&resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     let views = resolved.scene.viewer.directions().count();
-    let views = if arguments.cone { usize::MAX } else { views };
+    let views = (!arguments.cone).then_some(views);
     costs::check_views(&resolved, views, arguments.workers.threads)?;
     cost_note(&resolved, arguments.workers.threads)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();

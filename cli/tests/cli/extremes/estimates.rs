@@ -50,7 +50,8 @@ fn estimated(case: &Case, folder: &Path) -> f64 {
     let output =
         Command::new(papilio()).args(arguments(case, case.4[0])).arg(folder.join("a")).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
-    let words: Vec<&str> = said.split("would take about ").nth(1).expect(&said).split(' ').collect();
+    let (_, time) = said.split_once("would take about ").unwrap();
+    let words: Vec<&str> = time.split(' ').collect();
     let unit = match words[1] {
         "h" => 3600.0,
         "days" => 24.0 * 3600.0,

@@ -130,8 +130,8 @@ fn work_that_is_known_to_take_too_long_is_refused_before_it_begins() {
         (
             "run",
             "scenarios/map.toml",
-            &["--cone", "--threads", "4", "--set", "display.diffuser.regular_fraction=0.1"],
-            "--threads",
+            &["--cone", "--threads", "1", "--set", "display.diffuser.regular_fraction=0.1"],
+            "viewer.theta_deg",
         ),
     ] {
         let folder = tempfile::tempdir().unwrap();
