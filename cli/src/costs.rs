@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use papilio_display::scene::{Method, Stop};
+use papilio_display::scene::{Method, Pixel, Stop};
 use papilio_display::{Control, expected_bytes, expected_seconds, expected_view_bytes};
 use papilio_scenario::{Fit, FitTarget, Resolved, Scenario};
 
@@ -44,6 +44,10 @@ const DISPLAYS_OF_FIT: f64 = 3.0;
 const OF_START: f64 = 8.0;
 const OF_DERIVATIVE: f64 = 24.0;
 const OF_INTERVALS: f64 = 140.0;
+
+/// Memory of the table by direction of a liquid crystal for each state and wavelength, bytes: `papilio run scenarios/cholesteric.toml --cone`, with 5
+/// states and 41 wavelengths, takes 550 MB.
+const CRYSTAL_BYTES: f64 = 2.5e6;
 
 /// The scenario of a file with its own values.
 pub(crate) fn own(file: &Path, set: &[String]) -> Result<Resolved, Failure> {
@@ -166,6 +170,19 @@ pub(crate) fn check_paths(
 /// Memory of samples of a tolerance analysis, each of which has so many numbers, bytes.
 pub(crate) fn samples_bytes(samples: usize, numbers: usize) -> f64 {
     samples as f64 * (SAMPLE_BYTES + NUMBER_BYTES * numbers as f64)
+}
+
+/// Checks the memory of the maps of all directions before they are computed.
+pub(crate) fn check_map(resolved: &Resolved, threads: Option<u16>) -> Result<(), Failure> {
+    let scene = &resolved.scene;
+    if !matches!(scene.display.pixel, Pixel::Crystal(_)) {
+        return Ok(());
+    }
+    let (states, wavelengths) = (scene.display.state_names().len(), scene.grid.len());
+    let what =
+        format!("the liquid crystal in all directions, in {states} states at {wavelengths} wavelengths");
+    let bytes = CRYSTAL_BYTES * (states * wavelengths) as f64;
+    Expected { what, keys: "a larger spectrum.step_nm, or fewer states", seconds: 0.0, bytes }.check(threads)
 }
 
 /// Checks the rays of all replicates of a surface before they are followed.

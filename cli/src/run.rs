@@ -31,6 +31,9 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let views = resolved.scene.viewer.directions().count();
     let views = (!arguments.cone).then_some(views);
     costs::check_views(&resolved, views, arguments.workers.threads)?;
+    if arguments.cone {
+        costs::check_map(&resolved, arguments.workers.threads)?;
+    }
     cost_note(&resolved, arguments.workers.threads)?.iter().for_each(|note| print_message(note));
     let started = Instant::now();
     let threads = arguments.workers.threads;

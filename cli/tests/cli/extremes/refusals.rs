@@ -35,6 +35,20 @@ fn numbers_of_messages_and_reports_have_exponents() {
     }
 }
 
+/// The table of a liquid crystal for maps of all directions, whose memory is known from its states and wavelengths.
+#[test]
+fn map_of_a_liquid_crystal_beyond_a_gigabyte_is_refused_with_its_key() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/mip-lcd.toml");
+    let folder = tempfile::tempdir().unwrap();
+    let mut program = papilio_command();
+    program.arg("run").arg(file).args(["--cone", "--set", "spectrum.step_nm=1", "--out"]);
+    let output = program.arg(folder.path().join("out")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    for word in ["2 states at 401 wavelengths", "spectrum.step_nm", "--allow-long"] {
+        assert!(!output.status.success() && said.contains(word), "{said}");
+    }
+}
+
 /// Numbers in range that would take hours, or names of files that are too long.
 #[test]
 fn what_would_take_hours_is_refused_with_its_key() {
