@@ -34,7 +34,7 @@
 //! | [`write_comparison`], [`write_compared_spectra`], [`write_compared_metrics`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
-//! | [`png`] | PNG images of figures |
+//! | [`png()`] | PNG images of figures |
 //! | [`panel`] | frames for the controllers of panels |
 //! | [`SurfaceAuditFile`] with [`write_json`], [`write_totals`], [`write_face`] | `audit.json`, `totals.csv`, `totals_by_azimuth.csv`, `face.npz` of a surface |
 //! | [`write_bsdf`] | `display-bsdf.npz` |

@@ -282,7 +282,8 @@ mod tests {
                     [0.2 + 0.4 * x, 0.2 + 0.3 * x + 0.1 * (9.0 * y).sin(), 0.05 + 0.2 * y]
                 })
                 .collect();
-            let masked = |at: usize| states[usize::from(at % 2 == 0 && at / columns % 2 == 0)];
+            let masked =
+                |at: usize| states[usize::from(at.is_multiple_of(2) && (at / columns).is_multiple_of(2))];
             let seen: Vec<[f32; 3]> = smooth
                 .iter()
                 .enumerate()
