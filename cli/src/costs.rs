@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use papilio_display::scene::{Method, Pixel, Stop};
-use papilio_display::{Control, expected_bytes, expected_seconds, expected_view_bytes};
+use papilio_display::{Control, expected_bytes, expected_map_bytes, expected_seconds, expected_view_bytes};
 use papilio_scenario::{Fit, FitTarget, Resolved, Scenario};
 
 use crate::long_work::{Expected, thread_count};
@@ -94,21 +94,21 @@ pub(crate) fn check_views(
     views: Option<usize>,
     threads: Option<u16>,
 ) -> Result<(), Failure> {
-    /// Views of maps, which have the rings of all inclinations: `scenarios/map.toml` with
-    /// `display.diffuser.regular_fraction = 0.1` takes 2.4 GB on one thread at a haze of 0.78, and more than 4.7 GB at 0.3.
-    const OF_MAPS: f64 = 10.0;
     let control = Control { threads: Some(1), progress: &|_| {}, stop: &interrupt::STOP };
-    let each = expected_view_bytes(&resolved.scene, &control)
-        .map_err(|error| Failure::from_display(resolved, error))?;
+    let scene = &resolved.scene;
     let count = thread_count(threads).min(views.unwrap_or(usize::MAX));
-    let (views, keys, bytes) = match views {
-        Some(_) => ("views", "--threads", each),
-        None => ("maps", "views of viewer.theta_deg and phi_deg instead of --cone", OF_MAPS * each),
+    let (views, keys, each) = match views {
+        Some(_) => ("views", "--threads", expected_view_bytes(scene, &control)),
+        None => {
+            let keys = "views of viewer.theta_deg and phi_deg instead of --cone";
+            ("maps", keys, expected_map_bytes(scene, &control))
+        }
     };
+    let each = each.map_err(|error| Failure::from_display(resolved, error))?;
     let what = format!(
         "{views} on {count} threads at once, with display.diffuser.regular_fraction in light that depends on azimuth,"
     );
-    Expected { what, keys, seconds: 0.0, bytes: bytes * count as f64 }.check(threads)
+    Expected { what, keys, seconds: 0.0, bytes: each * count as f64 }.check(threads)
 }
 
 /// Checks the memory of a picture before it is computed.

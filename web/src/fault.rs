@@ -154,7 +154,10 @@ impl Fault {
 
     /// Converts an error of a computation, with its location in the scenario if it has one.
     pub(crate) fn of(resolved: &Resolved, error: DisplayError) -> Self {
-        resolved.located(&error).map_or_else(|| error.into(), Self::from)
+        // Adding alone refuses it.
+        let for_monte_carlo = matches!(error, DisplayError::Azimuth { key: "solver.method", .. });
+        let fault: Self = resolved.located(&error).map_or_else(|| error.into(), Self::from);
+        if for_monte_carlo { fault.for_monte_carlo() } else { fault }
     }
 }
 

@@ -16,6 +16,9 @@ use crate::prepared::Accuracy;
 use crate::reading::{Given, Solver};
 use crate::site::Site;
 
+/// Most memory of a cone on each thread, bytes.
+const MOST_BYTES: f64 = 1e9;
+
 /// Least and largest step of the inclinations of a cone, in degrees.
 pub(super) const CONE_STEPS_DEG: (f64, f64) = (1.0, 15.0);
 
@@ -119,6 +122,13 @@ pub(super) fn compute_cone(
         grid.phi_deg = (0..around as usize).map(|k| 360.0 * k as f64 / around).collect();
     }
     let control = Control { threads: None, progress: &|_| {}, stop };
+    let bytes = papilio_display::expected_map_bytes(scene, &control);
+    if bytes.map_err(|error| Fault::of(resolved, error))? > MOST_BYTES {
+        return Err(Fault::too_much(
+            "all directions with display.diffuser.regular_fraction in light that depends on azimuth take gigabytes",
+            "choose single views, or use `papilio run --cone --allow-long`",
+        ));
+    }
     papilio_display::cone(scene, grid, &control).map_err(|error| Fault::of(resolved, error))
 }
 

@@ -90,7 +90,10 @@ fn answer_of_one_view_is_that_among_all_views() {
     }
 }
 
-/// Every example and every preset has a live result. That of the face by waves, with twenty lobes at each
+/// The example that adding refuses: the page offers Monte Carlo.
+const BY_PATHS_ALONE: &str = "mip-lcd-haze";
+
+/// Every other example and every preset has a live result. That of the face by waves, with twenty lobes at each
 /// wavelength, takes ten seconds of the twenty that the page allows: every day, it has fewer wavelengths,
 /// views and directions.
 #[test]
@@ -113,6 +116,10 @@ fn every_example_and_preset_computes() {
             assert!(one["summary"].as_str().unwrap().len() > 10, "{name}");
             let scenario = server.get(&format!("/api/v1/{list}/{name}")).json()["scenario"].clone();
             let answer = server.post("/live", &json!({ "scenario": scenario, "edits": edits(name) }));
+            if name == BY_PATHS_ALONE {
+                assert_eq!(answer.json()["errors"][0]["monte_carlo"], true, "{name}");
+                continue;
+            }
             assert_eq!(answer.status, 200, "{name}: {}", String::from_utf8_lossy(&answer.body));
         }
     }
@@ -185,6 +192,20 @@ fn kind_of_each_example_file_is_detected() {
     let broken =
         server.send("/api/v1/files?name=a.bsdf", "application/octet-stream", b"Source  Measured\nnonsense");
     assert_eq!(broken.status, 422);
+}
+
+#[test]
+fn cone_that_takes_gigabytes_is_refused() {
+    let server = Server::start();
+    let scenario = server.get("/api/v1/examples/map").json()["scenario"].as_str().unwrap().to_owned();
+    for solver in ["adding", "monte-carlo"] {
+        let edited = scenario.replace("[display.diffuser]", "[display.diffuser]\nregular_fraction = 0.1");
+        assert_ne!(edited, scenario);
+        let edited = edited.replace("[solver]", &format!("[solver]\nmethod = \"{solver}\""));
+        let answer = server.post("/cone", &json!({ "scenario": edited, "step_deg": 15 }));
+        let said = String::from_utf8_lossy(&answer.body).into_owned();
+        assert!(answer.status == 422 && said.contains("--allow-long"), "{solver}: {said}");
+    }
 }
 
 #[test]

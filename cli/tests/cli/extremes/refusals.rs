@@ -147,6 +147,20 @@ fn work_that_is_known_to_take_too_long_is_refused_before_it_begins() {
             &["--cone", "--threads", "1", "--set", "display.diffuser.regular_fraction=0.1"],
             "viewer.theta_deg",
         ),
+        (
+            "run",
+            "scenarios/map.toml",
+            &[
+                "--cone",
+                "--solver",
+                "monte-carlo",
+                "--threads",
+                "1",
+                "--set",
+                "display.diffuser.regular_fraction=0.1",
+            ],
+            "viewer.theta_deg",
+        ),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("out");

@@ -47,6 +47,13 @@ pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
     hint: "remove the filter",
 };
 
+/// Error: a scatterer above the pixel, by adding.
+pub(crate) const AZIMUTH_BELOW_SCATTERER: DisplayError = DisplayError::Azimuth {
+    what: "adding below a scatterer",
+    key: "solver.method",
+    hint: "\"monte-carlo\" does, by `papilio run` and `sweep`",
+};
+
 /// A pixel on the wavelengths of a scene.
 #[derive(Debug)]
 pub(super) struct Crystal {
@@ -266,6 +273,8 @@ pub(super) struct Seen<'a> {
     pub(super) is_bare: bool,
     /// Below a colour filter.
     pub(super) is_filtered: bool,
+    /// Light is computed by adding, which knows no azimuth below scatterers.
+    pub(super) by_adding: bool,
     pub(super) unrefracted: bool,
     /// Whether the polarisation of light is followed, and whether anything but the pixel and the face is polarised.
     pub(super) polarised: bool,
@@ -277,7 +286,7 @@ pub(super) struct Seen<'a> {
 /// Computes a liquid-crystal pixel as the base of a stack, and for polarised light, if it is followed.
 ///
 /// # Errors
-/// If the pixel depends on azimuth below a colour filter; if the computation was stopped.
+/// If the pixel depends on azimuth below a colour filter, or by adding below a scatterer; if the computation was stopped.
 pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
@@ -291,6 +300,9 @@ pub(super) fn base(
     let count = crystal.count(!seen.is_bare)?;
     if count > 1 && seen.is_filtered {
         return Err(AZIMUTH_BELOW_FILTER);
+    }
+    if count > 1 && seen.by_adding && !seen.is_bare {
+        return Err(AZIMUTH_BELOW_SCATTERER);
     }
     let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
     let (bins, states, elements) = (grid.len(), pixel.states.len(), crystal.elements());

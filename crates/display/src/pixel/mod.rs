@@ -15,7 +15,7 @@ use std::sync::Arc;
 use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
-pub(crate) use crystal::{AZIMUTH_BELOW_FILTER, TABLE_ERROR as CRYSTAL_TABLE_ERROR};
+pub(crate) use crystal::{AZIMUTH_BELOW_FILTER, AZIMUTH_BELOW_SCATTERER, TABLE_ERROR as CRYSTAL_TABLE_ERROR};
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
@@ -163,8 +163,10 @@ pub(crate) fn base(
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let is_filtered = scene.display.filter().is_some();
             let is_bare = scene.display.is_flat() && !is_filtered;
+            let by_adding = scene.solver.method == Method::Adding;
+            let (polarised, phases) = (false, false);
             let seen =
-                crystal::Seen { is_bare, is_filtered, unrefracted, polarised: false, phases: false, cosines };
+                crystal::Seen { is_bare, is_filtered, by_adding, unrefracted, polarised, phases, cosines };
             Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
         }
     }
@@ -199,6 +201,7 @@ pub(crate) fn bases(
             let seen = crystal::Seen {
                 is_bare: !kept_apart,
                 is_filtered: false,
+                by_adding: scene.solver.method == Method::Adding,
                 unrefracted: false,
                 polarised: true,
                 phases,

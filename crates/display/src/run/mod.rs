@@ -28,7 +28,7 @@ pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, expected_seconds, forecast};
 pub use brdf::{brdf, brdf_resumed};
 pub use cone::{always_by_adding, cone};
-pub use memory::{expected_bytes, expected_view_bytes};
+pub use memory::{expected_bytes, expected_map_bytes, expected_view_bytes};
 pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{Refined, finest, largest, level_error, refine_or_fail};

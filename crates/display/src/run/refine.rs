@@ -10,7 +10,7 @@ use papilio_transport::{Diffuser, Panel, Reflector, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::relative;
-use crate::pixel::state_names;
+use crate::pixel::{AZIMUTH_BELOW_SCATTERER, state_names};
 use crate::scene::{Pixel, Scene};
 use crate::setup::{Setup, layers_alone};
 
@@ -31,11 +31,7 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
     if !stack.adding_knows_azimuth() {
-        return Err(DisplayError::Azimuth {
-            what: "adding below a scatterer",
-            key: "solver.method",
-            hint: "\"monte-carlo\" does, by `papilio run` and `sweep`",
-        });
+        return Err(AZIMUTH_BELOW_SCATTERER);
     }
     if let Some(width) = width_of_panel(stack)
         && width < NARROWEST_IN_FIELDS
