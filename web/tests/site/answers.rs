@@ -187,6 +187,20 @@ fn kind_of_each_example_file_is_detected() {
     assert_eq!(broken.status, 422);
 }
 
+/// What adding refuses because it knows no azimuth, before the pixel's table is made: the page offers Monte Carlo.
+#[test]
+fn azimuth_below_a_haze_film_is_left_to_monte_carlo() {
+    let server = Server::start();
+    let scenario =
+        server.get("/api/v1/examples/mip-lcd-haze").json()["scenario"].as_str().unwrap().to_owned();
+    let by_adding = scenario.replace("[solver]", "[solver]\nmethod = \"adding\"");
+    assert_ne!(by_adding, scenario);
+    let answer = server.post("/live", &json!({ "scenario": by_adding }));
+    let error = &answer.json()["errors"][0];
+    assert_eq!((answer.status, &error["monte_carlo"]), (422, &json!(true)), "{error}");
+    assert_eq!(error["path"], "solver.method");
+}
+
 #[test]
 fn cone_that_takes_gigabytes_is_refused() {
     let server = Server::start();

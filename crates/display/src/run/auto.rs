@@ -157,6 +157,9 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
     let tables = if is_rough { ROUGH_TABLES_S } else { 0.0 };
     let seconds = paths * path_seconds(run.setup) + tables;
     let _ = write!(reason, ", Monte Carlo {} s ({} paths)", plain(seconds), plain(paths));
+    if matches!(scene.display.pixel, Pixel::Crystal(_)) {
+        reason += ", besides the table of the liquid crystal";
+    }
     let cheaper = match adding_s {
         Some(adding) if adding <= PREFERENCE * seconds => Method::Adding,
         _ => Method::MonteCarlo,
