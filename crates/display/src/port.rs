@@ -54,7 +54,7 @@ impl Kept {
     pub(crate) fn of(scene: &Scene, control: &Control<'_>) -> Result<Option<Vec<Self>>, DisplayError> {
         let Some(port) = scene.lighting.port else { return Ok(None) };
         let setup = Setup::of_places(scene, control)?;
-        let stack = setup.placed()?;
+        let stack = setup.placed_by_direction()?;
         let (states, bins) = (stack.base().states(), stack.base().bins());
         let Some(view) = setup.views.first() else { return Ok(None) };
         let pattern = Uniform { states };

@@ -129,6 +129,12 @@ impl Display {
         self.layers.iter().all(|layer| layer.interface.is_flat() && layer.medium.scattering.is_none())
     }
 
+    /// Returns whether the last interface or medium above the pixel scatters: no flat one returns light to it.
+    pub fn scatters_above_pixel(&self) -> bool {
+        let scatters = |layer: &Layer| !layer.interface.is_flat() || layer.medium.scattering.is_some();
+        self.layers.last().is_some_and(scatters)
+    }
+
     /// Returns the refractive index of the medium above the pixel.
     pub fn index_above_pixel(&self) -> &Spectrum {
         // Layers are never empty.

@@ -217,7 +217,8 @@ impl Setup {
         if polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
             return Err(DisplayError::CrystalFringes);
         }
-        let is_filtered = self.scene.display.filter().is_some();
+        let display = &self.scene.display;
+        let is_filtered = display.filter().is_some() && !display.scatters_above_pixel();
         if is_filtered && self.stack.base().is_azimuthal() {
             return Err(pixel::AZIMUTH_BELOW_FILTER);
         }
@@ -362,12 +363,32 @@ impl Setup {
         seen.ok_or(DisplayError::Interrupted)
     }
 
-    /// The stack, for light with its places.
+    /// The stack, for light with its places by a method that does not know azimuths.
     ///
     /// # Errors
-    /// If a thickness is needed and missing.
+    /// If the pixel depends on azimuth; if a thickness is needed and missing.
     pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
+        let display = &self.scene.display;
+        if self.stack.base().is_azimuthal() && display.scatters_above_pixel() {
+            let (what, key) = ("a computation of places of light by adding", "solver.method");
+            return Err(DisplayError::Azimuth {
+                what,
+                key,
+                hint: "\"monte-carlo\" does: --solver monte-carlo",
+            });
+        }
         self.knows_azimuth("a computation of places of light")?;
+        display.lengths_mm().map(|_| &self.stack)
+    }
+
+    /// The stack, for light with its places and directions: by paths, or by a method that knows them.
+    ///
+    /// # Errors
+    /// If the pixel depends on azimuth, and flat layers return light to it, which is polarised; if a thickness is needed and missing.
+    pub(crate) fn placed_by_direction(&self) -> Result<&Stack, DisplayError> {
+        if !self.scene.display.scatters_above_pixel() {
+            self.knows_azimuth("a computation of places of light below flat layers")?;
+        }
         self.scene.display.lengths_mm().map(|_| &self.stack)
     }
 
@@ -378,11 +399,16 @@ impl Setup {
     /// pixels.
     pub(crate) fn spreads_over_few_pixels(&self) -> Result<&Stack, DisplayError> {
         let stack = self.placed()?;
-        let Some(matrix) = &self.scene.display.matrix else { return Ok(stack) };
+        self.is_over_few_pixels().map(|()| stack)
+    }
+
+    /// Checks that light does not spread over too many pixels.
+    pub(crate) fn is_over_few_pixels(&self) -> Result<(), DisplayError> {
+        let Some(matrix) = &self.scene.display.matrix else { return Ok(()) };
         let pitch_mm = matrix.pitch_mm[0].min(matrix.pitch_mm[1]);
-        let thickness_mm = stack.thickness_mm();
+        let thickness_mm = self.stack.thickness_mm();
         if thickness_mm <= MOST_PITCHES * pitch_mm {
-            return Ok(stack);
+            return Ok(());
         }
         Err(DisplayError::TooThick { thickness_mm, pitch_mm, most: MOST_PITCHES })
     }

@@ -7,6 +7,7 @@
 //! The values are those of a few *basis* reflectances (one for each gap of a film pixel); a drive state is a
 //! mixture of them plus a part that all states share.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use papilio_optics::{Beta, with_widest_simd};
@@ -210,14 +211,10 @@ impl AngularTable {
             return self.reflectance(beta.squared(), medium, out);
         };
         let turn = 2.0 * beta.y.atan2(beta.x);
-        let harmonic = |k: usize| {
-            let (sin, cos) = (k.div_ceil(2) as f64 * turn).sin_cos();
-            if k.is_multiple_of(2) && k > 0 { sin } else { cos }
-        };
         let count = self.basis_count();
         // Each harmonic has the share of the mean.
         let share =
-            |k: usize, basis: usize| self.mixture[k - basis % harmonics] * harmonic(basis % harmonics);
+            |k: usize, basis: usize| self.mixture[k - basis % harmonics] * harmonic(basis % harmonics, turn);
         let mixture: Vec<f64> = (0..self.mixture.len()).map(|k| share(k, k % count)).collect();
         self.reflectance_mixed(&mixture, beta.squared(), medium, out);
     }
@@ -246,6 +243,67 @@ impl AngularTable {
             #[inline(always)]
             || mix((mixture, &self.common), &basis, 1.0, out),
         );
+    }
+
+    /// Returns the number of harmonics of each state over the azimuth.
+    pub(crate) fn harmonics(&self) -> usize {
+        if let Nodes::Azimuthal(_, harmonics) = self.nodes { harmonics } else { 1 }
+    }
+
+    /// Returns weights of 0 on the nodes and harmonics, for a sum of look-ups of many directions; `[node][harmonic]`.
+    pub(crate) fn no_weights(&self) -> Vec<f64> {
+        vec![0.0; (self.nodes.count() + Stencil::LEN) * self.harmonics()]
+    }
+
+    /// Adds the look-up of light that leaves towards `beta` in a medium of this index.
+    pub(crate) fn add_direction(&self, weights: &mut [f64], (beta, index): (Beta, f64), weight: f64) {
+        let (turn, squared) = (2.0 * beta.y.atan2(beta.x), beta.squared());
+        if squared < index * index && weight != 0.0 {
+            let waves = (0..self.harmonics()).map(|k| weight * harmonic(k, turn)).collect::<Vec<_>>();
+            self.add_waves(weights, (squared, index), &waves);
+        }
+    }
+
+    /// Returns the harmonics of this many uniform azimuths from 0 on, `[harmonic][azimuth]`.
+    pub(crate) fn waves(&self, azimuths: usize) -> Vec<f64> {
+        let turn = |azimuth: usize| 2.0 * TAU * azimuth as f64 / azimuths as f64;
+        (0..self.harmonics()).flat_map(|k| (0..azimuths).map(move |at| harmonic(k, turn(at)))).collect()
+    }
+
+    /// Adds the look-ups of a ring of these azimuths, with their weights and the [`waves`](Self::waves) of their number.
+    pub(crate) fn add_ring(
+        &self,
+        weights: &mut [f64],
+        (squared, index): (f64, f64),
+        (along, waves): (&[f64], &[f64]),
+    ) {
+        let mut sums = vec![0.0; self.harmonics()];
+        add_product(waves, along, along.len(), &mut sums);
+        self.add_waves(weights, (squared, index), &sums);
+    }
+
+    fn add_waves(&self, weights: &mut [f64], (squared, index): (f64, f64), waves: &[f64]) {
+        let stencil = self.nodes.stencil(squared, index);
+        let rows = weights.chunks_exact_mut(waves.len()).skip(stencil.first);
+        for (row, of_node) in rows.zip(stencil.weights) {
+            row.iter_mut().zip(waves).for_each(|(sum, wave)| *sum += of_node * wave);
+        }
+    }
+
+    /// Returns the sum of these look-ups; `[state][wavelength]`.
+    pub(crate) fn sum_of(&self, weights: &[f64]) -> Vec<f64> {
+        let (harmonics, bins, count) = (self.harmonics(), self.common.len(), self.basis_count());
+        let mut basis = vec![0.0; count * bins];
+        let rows = self.basis.chunks_exact(count * bins).zip(weights.chunks_exact(harmonics));
+        for (row, weights) in rows.filter(|(_, weights)| weights.iter().any(|weight| *weight != 0.0)) {
+            // All harmonics of a reflectance belong to its mean.
+            let of_states = row.chunks_exact(harmonics * bins).zip(basis.chunks_exact_mut(harmonics * bins));
+            of_states.for_each(|(values, sums)| add_rows(&mut sums[..bins], values, weights));
+        }
+        let total: f64 = weights.iter().step_by(harmonics).sum();
+        let mut out = vec![0.0; self.state_count() * bins];
+        mix((&self.mixture, &self.common), &basis, total, &mut out);
+        out
     }
 
     /// Returns sums of look-ups whose weights were added to the nodes; shape `[sum][state][wavelength]`.
@@ -315,6 +373,12 @@ impl AngularTable {
     fn mix(&self, basis: &[f64], common_weight: f64, out: &mut [f64]) {
         mix((&self.mixture, &self.common), basis, common_weight, out);
     }
+}
+
+/// Harmonic number `k` of twice the azimuth, `turn`: 1, cos, sin, cos of twice that, ...
+fn harmonic(k: usize, turn: f64) -> f64 {
+    let (sin, cos) = (k.div_ceil(2) as f64 * turn).sin_cos();
+    if k.is_multiple_of(2) && k > 0 { sin } else { cos }
 }
 
 /// Computes all states, `[state][wavelength]`, from sums of basis reflectances, `[basis][wavelength]`, and

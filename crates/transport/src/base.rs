@@ -103,6 +103,11 @@ impl Base {
         matches!(&self.reflector, Reflector::Specular(table) if table.is_azimuthal())
     }
 
+    /// Returns the number of harmonics over the azimuth of each state's reflectance; 1 if it does not depend on it.
+    pub fn harmonics(&self) -> usize {
+        if let Reflector::Specular(table) = &self.reflector { table.harmonics() } else { 1 }
+    }
+
     /// Returns an upper bound of the reflectance of every state at any angle.
     pub(crate) fn largest_reflectance(&self) -> f64 {
         match &self.reflector {

@@ -22,7 +22,8 @@ use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::{Mirror, MirrorRun};
 use crate::polarised_view::PolarisedView;
 use crate::{
-    Approximation, Base, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector, Source, Top,
+    Approximation, Base, Described, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector,
+    Source, Top,
 };
 
 /// Layers over a pixel.
@@ -268,12 +269,8 @@ impl Stack {
     }
 
     fn recognised(layers: Vec<Layer>, base: Base, approximation: Approximation) -> Self {
-        let described = layers.iter().map(|Layer { interface, medium, .. }| {
-            let is_clear = medium.transmittance().is_none() && medium.scattering().is_none();
-            (Some(interface), medium.index(), is_clear)
-        });
         let scatters = matches!(base.reflector, Reflector::Scattering(_));
-        let parts = PanelParts::recognised(described)
+        let parts = PanelParts::recognised(described(&layers))
             .filter(|parts| !scatters && (parts.diffuser().is_none() || !base.is_azimuthal()));
         let form = match (parts, layers.last()) {
             (Some(parts), Some(glass)) => {
@@ -324,6 +321,15 @@ impl Stack {
             Form::Panel(panel) => Some(panel),
             Form::General(_) => None,
         }
+    }
+
+    /// The ordinary panel that the layers are, also where its pixel depends on azimuth below a diffuser: for methods that
+    /// know the direction of all light.
+    pub fn panel_by_direction(&self) -> Option<Panel> {
+        let Form::General(base) = &self.form else { return self.panel().cloned() };
+        let parts = PanelParts::recognised(described(&self.layers)).filter(|_| base.is_specular())?;
+        let layers = (&self.layers[..], self.layers.last()?);
+        Some(Panel::new(&parts, layers, base.clone(), Approximation::default()))
     }
 
     /// The pixel, under the last layer's medium.
@@ -424,4 +430,12 @@ impl Stack {
         let first = key(0);
         (1..self.base().bins()).all(|bin| key(bin) == first)
     }
+}
+
+/// Layers as what an ordinary panel is recognised by.
+fn described(layers: &[Layer]) -> impl Iterator<Item = Described<'_>> {
+    layers.iter().map(|Layer { interface, medium, .. }| {
+        let is_clear = medium.transmittance().is_none() && medium.scattering().is_none();
+        (Some(interface), medium.index(), is_clear)
+    })
 }

@@ -34,7 +34,7 @@ use crate::spatial::Refused;
 pub(crate) struct Filtered<'a> {
     setup: &'a Setup,
     control: &'a Control<'a>,
-    /// Layers above clear glass.
+    /// Layers above clear glass, over a white page.
     stack: Stack,
     panel: Panel,
     /// Internal transmittance of the glass.
@@ -125,7 +125,9 @@ impl<'a> Filtered<'a> {
             Some((stack, transmittance)) => (stack, transmittance.clone()),
             None => (setup.stack.clone(), Spectrum::constant(&scene.grid, 1.0)),
         };
-        let Some(panel) = stack.panel().cloned() else { return Err(Refused::FilterBelowLayers.into()) };
+        let Some(panel) = stack.panel_by_direction() else { return Err(Refused::FilterBelowLayers.into()) };
+        // What is known of its layers over a white page, above a pixel that depends on azimuth, too.
+        let stack = Stack::new(stack.layers().to_vec(), white(scene.grid.len(), 1.0));
         let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
         let refused = [
             (scene.display.pixel_spread().is_some() && !is_of_stripes(matrix), Refused::SpreadBelowFilter),
@@ -135,7 +137,8 @@ impl<'a> Filtered<'a> {
         if let Some((_, refused)) = refused.into_iter().find(|(is_refused, _)| *is_refused) {
             return Err(refused.into());
         }
-        setup.spreads_over_few_pixels()?;
+        setup.placed_by_direction()?;
+        setup.is_over_few_pixels()?;
         let gap_mm = air_below_front_mm(&panel).map_err(Refused::Fronts)?;
         Ok(Some(Self { setup, control, stack, panel, glass, matrix, filter, gap_mm }))
     }

@@ -40,18 +40,18 @@ const PART: [f64; 2] = [0.0, 0.8];
 const STEEP: f64 = 0.97;
 const STEEP_IN_GLASS: f64 = 0.9;
 
-/// Error: a colour filter above the pixel.
+/// Error: a colour filter above the pixel, below flat layers alone.
 pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
-    what: "a display with a colour filter above it",
+    what: "a display with a colour filter below flat layers alone",
     key: "display.matrix.filter",
-    hint: "remove the filter",
+    hint: "lay a diffuser with its reflection on it, as products have, or remove the filter",
 };
 
 /// Error: a scatterer above the pixel, by adding.
 pub(crate) const AZIMUTH_BELOW_SCATTERER: DisplayError = DisplayError::Azimuth {
-    what: "adding below a scatterer",
+    what: "adding below these scatterers and in this light",
     key: "solver.method",
-    hint: "\"monte-carlo\" does, by `papilio run` and `sweep`",
+    hint: "adding knows one diffuser, given by its lobe, on clear glass; \"monte-carlo\" knows all",
 };
 
 /// A pixel on the wavelengths of a scene.
@@ -271,9 +271,9 @@ fn weight(harmonic: usize, odd: bool, k: usize, azimuths: usize) -> f64 {
 pub(super) struct Seen<'a> {
     /// Below flat layers, light has directions that exist in air: others are left at 0, unless it is unrefracted.
     pub(super) is_bare: bool,
-    /// Below a colour filter.
+    /// Below a colour filter, with flat layers alone above it.
     pub(super) is_filtered: bool,
-    /// Light is computed by adding, which knows no azimuth below scatterers.
+    /// Light is computed by adding, which knows no azimuth below scatterers without a filter.
     pub(super) by_adding: bool,
     pub(super) unrefracted: bool,
     /// Whether the polarisation of light is followed, and whether anything but the pixel and the face is polarised.

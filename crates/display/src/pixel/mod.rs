@@ -161,9 +161,11 @@ pub(crate) fn base(
         Pixel::Crystal(pixel) => {
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
-            let is_filtered = scene.display.filter().is_some();
-            let is_bare = scene.display.is_flat() && !is_filtered;
-            let by_adding = scene.solver.method == Method::Adding;
+            let has_filter = scene.display.filter().is_some();
+            let is_filtered = has_filter && !scene.display.scatters_above_pixel();
+            let is_bare = scene.display.is_flat() && !has_filter;
+            let by_adding =
+                scene.solver.method == Method::Adding && !has_filter && scene.display.layers.len() > 1;
             let (polarised, phases) = (false, false);
             let seen =
                 crystal::Seen { is_bare, is_filtered, by_adding, unrefracted, polarised, phases, cosines };

@@ -179,7 +179,7 @@ pub(super) fn run(
 ) -> Result<RunResult, DisplayError> {
     let views = &run.setup.views;
     let Kernels { groups, common } = kernels;
-    let runner = Runner::new(run, common)?;
+    let runner = Runner::new(run, common, finest(run.setup)?)?;
     let groups: Vec<Option<Group>> = match run.setup.stack.panel() {
         Some(_) => {
             groups.resize_with(views.len(), Vec::new);
@@ -202,7 +202,7 @@ pub(super) fn run_levels(
     nodes: impl Fn() -> u64,
 ) -> Result<RunResult, DisplayError> {
     let common = Common::default();
-    let runner = Runner::new(run, &common)?;
+    let runner = Runner::new(run, &common, finest)?;
     let (error, views) = (
         |levels: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>| runner.error(levels, before),
         run.setup.views.len(),
@@ -223,7 +223,7 @@ pub(crate) struct ViewGroupKernel {
 /// target.
 pub(super) fn view_group_kernels(run: &Run<'_>) -> Result<Vec<ViewGroupKernel>, DisplayError> {
     let common = Common::default();
-    let runner = Runner::new(run, &common)?;
+    let runner = Runner::new(run, &common, finest(run.setup)?)?;
     let views = &run.setup.views;
     let each = match run.setup.stack.panel() {
         Some(_) => 1,
@@ -261,11 +261,10 @@ struct Group {
 }
 
 impl<'a> Runner<'a> {
-    fn new(run: &'a Run<'a>, common: &'a Common) -> Result<Self, DisplayError> {
+    fn new(run: &'a Run<'a>, common: &'a Common, finest: usize) -> Result<Self, DisplayError> {
         let Stop::RelativeError { target, per_wavelength } = run.scene.solver.stop else {
             return Err(DisplayError::NoPaths);
         };
-        let finest = finest(run.setup)?;
         let first = FIRST_LEVELS as usize;
         let (begin, finest, target) = match run.accuracy {
             Accuracy::Exact => (first, finest, target),

@@ -170,6 +170,9 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
 /// Estimates the work of adding, in seconds, at the level that the target is expected to need.
 fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     super::refine::finest(setup)?;
+    if let Some(seconds) = super::refine::azimuthal_work(setup) {
+        return Ok(seconds);
+    }
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
     let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));
     let more = (nodes(level) / nodes(1)).powi(3);
@@ -282,9 +285,14 @@ fn path_seconds(setup: &Setup) -> f64 {
     /// Work of a path for an environment that depends on azimuth.
     const FIELD: f64 = 1e-5;
     let fields = FIELD * setup.sources.iter().filter(|source| is_turned(source)).count() as f64;
+    // All harmonics of a pixel that depends on azimuth are looked up.
+    let looked_up = match setup.stack.base().harmonics() {
+        1 => 1.0,
+        harmonics => 2.0 * harmonics as f64,
+    };
     let numbers = match &setup.scene.display.pixel {
         Pixel::Uniform(_) => FEW,
-        _ => (setup.states.len() * setup.scene.grid.len()) as f64,
+        _ => looked_up * (setup.states.len() * setup.scene.grid.len()) as f64,
     };
     let is_kernel = |interface: &Interface| {
         matches!(interface, Interface::Rough(_) | Interface::Scatter(_) | Interface::Wave(_))

@@ -17,13 +17,21 @@ use crate::spatial::walk::Placed;
 /// Most paths of a view.
 const MOST_PATHS: u64 = 1 << 26;
 
-/// Runs a scene with a filter.
+/// Runs a scene with a filter; `auto` is by paths where adding does not compute it.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
-    if run.scene.solver.method == Method::MonteCarlo {
+    let method = run.scene.solver.method;
+    if method == Method::MonteCarlo {
         return by_paths(run);
     }
-    let Some(filtered) = Filtered::new(run.setup, run.control)? else {
-        return Err(DisplayError::FilterWithoutPlace);
+    let filtered = match Filtered::new(run.setup, run.control) {
+        Err(DisplayError::PlacesByPaths { what, .. }) if method == Method::Auto => {
+            let mut result = by_paths(run)?;
+            let reason = format!("only the Monte Carlo solver computes {what}");
+            result.notes.push(format!("`auto` has chosen {}: {reason}", result.solver.method));
+            result.solver.chosen_because = Some(reason);
+            return Ok(result);
+        }
+        found => found?.ok_or(DisplayError::FilterWithoutPlace)?,
     };
     let nodes = Cell::new(0);
     run_levels(run, filtered.finest(), |level| samples(run, &filtered, level, &nodes), || nodes.get())

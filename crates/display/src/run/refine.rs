@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{
-    FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, narrowest, nodes_needed,
+    FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, azimuthal_seconds, narrowest, nodes_needed,
 };
-use papilio_transport::{Diffuser, Panel, Reflector, Source, Stack, Top};
+use papilio_transport::{Cone, Diffuser, Panel, Reflector, Source, Stack, Top};
 
 use crate::DisplayError;
 use crate::meter::relative;
@@ -27,10 +27,10 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 ///
 /// # Errors
 /// If even the second level has too many nodes; if the lobe of an ordinary panel is too narrow for its light; if a scatterer is above a pixel that
-/// depends on azimuth.
+/// depends on azimuth, and it is not one diffuser that is given by its lobe.
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
-    if !stack.adding_knows_azimuth() {
+    if !stack.adding_knows_azimuth() && azimuthal_work(setup).is_none() {
         return Err(AZIMUTH_BELOW_SCATTERER);
     }
     if let Some(width) = width_of_panel(stack)
@@ -56,6 +56,12 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),
     }
+}
+
+/// Estimates the work of adding for a diffuser above a pixel that depends on azimuth, in seconds; `None` if it does not compute it.
+pub(crate) fn azimuthal_work(setup: &Setup) -> Option<f64> {
+    let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
+    azimuthal_seconds(&setup.stack, &views, &setup.sources)
 }
 
 /// Returns whether a source is an environment that depends on azimuth.

@@ -163,7 +163,10 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     fn new(setup: &'a Setup, patterns: &'a Patterns, control: &'a Control<'a>) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
-        let stack = setup.placed()?;
+        let stack = match scene.solver.method {
+            Method::MonteCarlo => setup.placed_by_direction()?,
+            Method::Adding | Method::Auto => setup.placed()?,
+        };
         let pitch_mm = scene.display.matrix.as_ref().map(|matrix| matrix.pitch_mm);
         let nyquist_per_mm = pitch_mm.map(|pitch| pitch.map(|p| 0.5 / p));
         let mm_per_degree = scene.viewer.distance_mm * 1.0_f64.to_radians().tan();

@@ -210,7 +210,7 @@ impl<'a> Placed<'a> {
             });
         }
         setup.refracts()?;
-        let stack = setup.placed()?.clone();
+        let stack = setup.placed_by_direction()?.clone();
         let meter = Meter::new(setup);
         let lights = meter.pixel_lights();
         let sources = lights.iter().map(|light| setup.sources[light.source].clone()).collect();

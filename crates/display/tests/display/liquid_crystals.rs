@@ -134,17 +134,18 @@ fn cholesteric_paper_reflects_the_bands_of_its_helices() {
 const HAZE_FILM: &str = "display.diffuser={ model = \"k-correlation\", width = 0.06, transmittance = 0.9 }";
 
 /// A haze film spreads unpolarised light over directions of the pixel, on its way in and out: an integral over them, without table, harmonics and
-/// paths, trapped light included. The lobe's fraction within r is `1 - (1 + (r/b)^2)^(-1/2)`.
+/// paths, trapped light included; by both solvers. The lobe's fraction within r is `1 - (1 + (r/b)^2)^(-1/2)`.
 #[test]
 fn haze_film_above_a_cell_is_an_integral_over_directions() {
     let views = ["viewer.theta_deg=[0,40]", "viewer.phi_deg=[20]", "display.glass={ index = 1.5 }"];
-    let hazy = twisted(&[&views[..], &[HAZE_FILM, "solver.relative_error=0.002"]].concat());
+    let hazy = |method| twisted(&[&views[..], &[HAZE_FILM, "solver.relative_error=0.002", method]].concat());
     let alone = twisted(&[&views[..], &["solver.angle_medium=glass"]].concat());
-    let found = spectra(&hazy);
+    let all = ["solver.method=adding", "solver.method=monte-carlo"].map(|method| spectra(&hazy(method)));
+    let (hazy, found) = (hazy("solver.method=adding"), &all[0]);
     let (steps, lobe) = (sized(16, 32), Lobe::KCorrelation { width: 0.06 });
-    for ((theta_deg, phi_deg), found) in hazy.viewer.directions().zip(&found) {
+    for (view, (theta_deg, phi_deg)) in hazy.viewer.directions().enumerate() {
         let (length, phi) = (theta_deg.to_radians().sin(), phi_deg.to_radians());
-        let mut sums = vec![vec![0.0; found[0].len()]; found.len()];
+        let mut sums = vec![vec![0.0; found[view][0].len()]; found[view].len()];
         for k in 0..steps * steps {
             let [u, v] = [k / steps, k % steps].map(|k| (k as f64 + 0.5) / steps as f64);
             let (sin, cos) = (TAU * v).sin_cos();
@@ -160,8 +161,10 @@ fn haze_film_above_a_cell_is_an_integral_over_directions() {
                 sum.iter_mut().zip(pixel).for_each(|(sum, r)| *sum += leaves * r);
             }
         }
-        for (found, expected) in found.iter().flatten().zip(sums.iter().flatten()) {
-            assert!((found - expected).abs() < 0.01 * expected + 1e-3, "{theta_deg}: {found} {expected}");
+        for found in &all {
+            for (found, expected) in found[view].iter().flatten().zip(sums.iter().flatten()) {
+                assert!((found - expected).abs() < 0.01 * expected + 1e-3, "{theta_deg}: {found} {expected}");
+            }
         }
     }
     // Along the diagonal, seen from another azimuth, it is another display.
@@ -169,11 +172,153 @@ fn haze_film_above_a_cell_is_an_integral_over_directions() {
     assert!((other[1][0][1] / found[1][0][1] - 1.0).abs() > 0.03, "{other:?} {found:?}");
 }
 
-/// Adding, which does not know azimuths below scatterers, is refused where it is requested, and otherwise Monte Carlo is chosen.
+/// A film that reflects from both sides and passes some light straight, a round lamp, a field of view: both solvers, their energy balances, too.
 #[test]
-fn solver_below_a_haze_film_is_monte_carlo() {
-    let film =
-        [HAZE_FILM, "display.glass={ index = 1.5 }", "solver.relative_error=0.05", "viewer.theta_deg=0"];
+fn solvers_agree_below_a_reflecting_haze_film() {
+    let film = "display.diffuser={ model = \"k-correlation\", width = 0.15, transmittance = 0.85, regular_fraction = 0.3, \
+        reflection = { total_reflectance = 0.08, model = \"k-correlation\", width = 0.2 } }";
+    let lambertian = "display.diffuser={ model = \"k-correlation\", width = 0.1, transmittance = 0.8, \
+        reflection = { total_reflectance = 0.15, model = \"lambertian\" } }";
+    let light = "lighting={ illuminance_lx = 500, spectrum = \"D65\", diffuse = 0.5, directed = [ \
+        { theta_deg = 30, phi_deg = 50, share = 0.3, radius_deg = 4 }, { theta_deg = -20, share = 0.2 } ] }";
+    for film in [film, lambertian] {
+        let common = [
+            TWISTED,
+            film,
+            light,
+            "display.glass={ index = 1.5 }",
+            "spectrum.range_nm=[400,700]",
+            "spectrum.step_nm=150",
+            "viewer.theta_deg=[0,35]",
+            "viewer.phi_deg=[20]",
+            "viewer.field_deg=6",
+            "solver.relative_error=0.001",
+        ];
+        let adding =
+            run(&scenario("mip-lcd", &[&common[..], &["solver.method=adding"]].concat()).unwrap().scene);
+        let (adding, paths) = (adding.unwrap(), run(&walked("mip-lcd", &common).unwrap().scene).unwrap());
+        assert_eq!([&*adding.solver.method, &*paths.solver.method], ["adding", "monte-carlo"]);
+        for (adding, paths) in adding.views.iter().zip(&paths.views) {
+            for ((name, adding), (_, paths)) in adding.states.iter().zip(paths.states.iter()) {
+                let (found, of_paths) = (&adding.value, &paths.value);
+                let within = |what: &str, a: f64, b: f64, error: f64| {
+                    assert!(
+                        (a - b).abs() < 4.5 * error + 2e-4 * b.abs() + 1e-5,
+                        "{name} {what}: {a} {b} ({error})"
+                    );
+                };
+                let errors = &paths.standard_error;
+                within("Y", found.Y, of_paths.Y, errors.Y);
+                for (at, (a, b)) in found.specular.iter().zip(&of_paths.specular).enumerate() {
+                    within(&format!("image {at}"), *a, *b, 0.0);
+                }
+            }
+            for ((_, adding), (name, paths)) in adding.ledger.iter().zip(paths.ledger.iter()) {
+                let errors = paths.standard_error.named();
+                for (((what, a), (_, b)), (_, error)) in
+                    adding.values().named().into_iter().zip(paths.values().named()).zip(errors)
+                {
+                    assert!((a - b).abs() < 4.5 * error + 2e-4, "{name} {what}: {a} {b} ({error})");
+                }
+            }
+        }
+    }
+}
+
+/// Light through a clear filter in the plane of the pixels, which is followed direction by direction, is that without filter; a colour
+/// filter far above a mirror is seen through other parts, as paths see it.
+#[test]
+fn colour_filters_are_above_crystals_below_a_haze_film() {
+    let common = [
+        HAZE_FILM,
+        "display.glass={ index = 1.5, thickness_mm = 0.3 }",
+        "viewer.theta_deg=[25]",
+        "viewer.phi_deg=[40]",
+    ];
+    let of = |more: &[&str]| run(&twisted(&[&common[..], more].concat())).unwrap();
+    let filter = |height_um: &str, t: &str| {
+        format!(
+            "display.matrix={{ pitch_um = 60, filter = {{ height_um = {height_um}, transmittance = {{ {t} }} }}, \
+            states = {{ white = {{ red = \"white\", blue = \"white\" }}, red = {{ red = \"white\", blue = \"black\" }} }} }}"
+        )
+    };
+    let y = |result: &RunResult, state: &str| result.views[0].states.get(state).unwrap().value.Y;
+    let exact = ["solver.method=adding", "solver.relative_error=1e-4"];
+    let clear = of(&[&exact[..], &[&filter("0", "red = 1, blue = 1")]].concat());
+    assert!((y(&clear, "white") / y(&of(&exact), "white") - 1.0).abs() < 2e-4);
+    let colours = filter("80", "red = 0.8, blue = 0.3");
+    let adding = of(&[&exact[..], &[&colours]].concat());
+    let paths = of(&["solver.method=monte-carlo", "solver.relative_error=0.002", &colours]);
+    for state in ["white", "red"] {
+        let error = paths.views[0].states.get(state).unwrap().standard_error.Y;
+        let (a, b) = (y(&adding, state), y(&paths, state));
+        assert!((a - b).abs() < 4.5 * error, "{state}: {a} {b} ({error})");
+    }
+    // Flat layers alone would return polarised light to other places.
+    let bare = run(&twisted(&[
+        "display.glass={ index = 1.5, thickness_mm = 0.3, surface = \"fresnel\" }",
+        &colours,
+    ]));
+    assert!(matches!(bare, Err(DisplayError::Azimuth { key: "display.matrix.filter", .. })), "{bare:?}");
+}
+
+/// A map below a haze film is what runs of its directions are.
+#[test]
+fn map_below_a_haze_film_is_that_of_runs() {
+    let film = "display.diffuser={ model = \"k-correlation\", width = 0.12, transmittance = 0.9, \
+        reflection = { total_reflectance = 0.05, model = \"k-correlation\", width = 0.12 } }";
+    let common =
+        [film, "display.glass={ index = 1.5 }", "solver.method=adding", "solver.relative_error=1e-4"];
+    let scene = twisted(&[&common[..], &["viewer.theta_deg=[40]", "viewer.phi_deg=[100]"]].concat());
+    let grid = papilio_display::ConeGrid {
+        theta_deg: vec![0.0, 40.0],
+        phi_deg: vec![0.0, 100.0],
+        ..Default::default()
+    };
+    let stop = AtomicBool::new(false);
+    let map = papilio_display::cone(&scene, grid, &Control { threads: None, progress: &|_| {}, stop: &stop })
+        .unwrap();
+    let number = map.states.iter().position(|name| name == "white").unwrap();
+    let alone = run(&scene).unwrap();
+    let state = &alone.views[0].states.get("white").unwrap().value;
+    let found = &map.views[3].states[number];
+    let difference = found.luminance_cd_m2 / state.luminance_cd_m2 - 1.0;
+    assert!(difference.abs() < 3e-4, "{} {}", found.luminance_cd_m2, state.luminance_cd_m2);
+    let other = &map.views[1].states[number];
+    assert!((other.luminance_cd_m2 / found.luminance_cd_m2 - 1.0).abs() > 0.02);
+}
+
+/// Light from many directions, by both solvers.
+#[test]
+fn environments_are_seen_below_a_haze_film() {
+    let ring = "{ model = \"ring\", theta_deg = 35, width_deg = 10, share = 0.5 }";
+    let sky = "{ model = \"sky\", number = 12, sun_elevation_deg = 55, sun_azimuth_deg = 200, share = 0.5 }";
+    for light in [ring, sky] {
+        let light = format!(
+            "lighting={{ illuminance_lx = 500, spectrum = \"D65\", diffuse = 0.5, environment = [{light}] }}"
+        );
+        let common = [
+            HAZE_FILM,
+            "display.glass={ index = 1.5 }",
+            &light,
+            "viewer.theta_deg=[20]",
+            "viewer.phi_deg=[60]",
+        ];
+        let of = |more: &[&str]| run(&twisted(&[&common[..], more].concat())).unwrap();
+        let adding = of(&["solver.method=adding", "solver.relative_error=1e-3"]);
+        let paths = of(&["solver.method=monte-carlo", "solver.relative_error=2e-3"]);
+        for ((name, adding), (_, paths)) in adding.views[0].states.iter().zip(paths.views[0].states.iter()) {
+            let (a, b, error) = (adding.value.Y, paths.value.Y, paths.standard_error.Y);
+            assert!((a - b).abs() < 4.5 * error + 1e-3 * b, "{name}: {a} {b} ({error})");
+        }
+    }
+}
+
+/// What adding does not know of azimuths is refused where it is requested, and otherwise computed by Monte Carlo.
+#[test]
+fn haze_films_on_tinted_glass_are_for_monte_carlo() {
+    let glass = ["display.glass={ index = 1.5, internal_transmittance = 0.9 }", HAZE_FILM];
+    let film = [&glass[..], &["solver.relative_error=0.05", "viewer.theta_deg=0"]].concat();
     let by = run(&twisted(&film)).unwrap();
     assert_eq!(by.solver.method, "monte-carlo");
     let adding = run(&twisted(&[&film[..], &["solver.method=adding"]].concat()));
@@ -203,7 +348,8 @@ fn films_are_laid_on_and_removed() {
 fn computations_without_azimuth_are_refused() {
     let diffuser = "display.diffuser={ model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }";
     let layered = "[spectrum]\nrange_nm = [400, 720]\nstep_nm = 80\n[display]\nlayers = [\n\
-        { kind = \"diffuser\", model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }, { kind = \"medium\", index = 1.5 } ]\n\
+        { kind = \"diffuser\", model = \"k-correlation\", haze = 0.5, total_transmittance = 0.9 }, { kind = \"medium\", index = 1.5 }, \
+        { kind = \"diffuser\", model = \"k-correlation\", haze = 0.3, total_transmittance = 0.9 }, { kind = \"medium\", index = 1.5 } ]\n\
         [display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Ag\"\n\
         stack = [ { kind = \"polariser\", axis_deg = 20 }, { kind = \"retarder\", axis_deg = 65, retardance_nm = 150 } ]\n";
     let layered =

@@ -7,6 +7,7 @@
 //! Accuracy increases with the level: the difference between the estimates of two levels is the
 //! discretisation error of the coarser one.
 
+mod azimuthal;
 mod layered;
 pub mod mirror_lobe;
 mod panel;
@@ -34,12 +35,12 @@ pub const MOST_NODES: usize = 450;
 pub const MOST_NODES_OF_FURTHER: usize = 300;
 
 /// Returns the number of radial nodes that these layers take at a level, besides the directions of views and
-/// sources; 0 for a panel, which determines its own. The number grows as 1/width of the narrowest lobe,
+/// sources; 0 for a panel, and a diffuser above a pixel that depends on azimuth, which determine their own. The number grows as 1/width of the narrowest lobe,
 /// 1/(alpha times the difference of indices) of a rough interface and 1/(1 - g) of a phase function; work
 /// grows with its cube and more. The caller refuses stacks that take more than [`MOST_NODES`], or uses the
 /// Monte Carlo solver.
 pub fn nodes_needed(stack: &Stack, level: u32) -> usize {
-    if stack.panel().is_some() { 0 } else { layered::nodes_needed(stack, level) }
+    if stack.panel().is_some() || azimuthal::applies(stack) { 0 } else { layered::nodes_needed(stack, level) }
 }
 
 /// The scatterer that determines the number of nodes of a stack.
@@ -55,6 +56,12 @@ pub struct Narrowest {
 /// panel or where nothing scatters.
 pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
     if stack.panel().is_some() { None } else { layered::narrowest(stack) }
+}
+
+/// Estimates the work of a diffuser above a pixel that depends on azimuth, in seconds of one processor; `None` where it is not
+/// covered, and for all other pixels.
+pub fn azimuthal_seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Option<f64> {
+    azimuthal::seconds(stack.in_runs(), views, sources)
 }
 
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of
@@ -95,6 +102,7 @@ enum Kind {
     Empty,
     Panel(panel::Kernel),
     Layered(Box<layered::Kernel>),
+    Azimuthal(Box<azimuthal::Kernel>),
     /// Of a stack that keeps s and p apart: a kernel for each.
     Polarised(Box<[Kernel; 2]>),
 }
@@ -199,6 +207,11 @@ impl Kernel {
         let views = panel::Views { own, together: &self.together, common };
         match (stack.panel(), &mut self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.prepare(panel, views, sources, stop),
+            (None, kind) if azimuthal::applies(stack) => {
+                let mut kernel = azimuthal::Kernel::new(self.level, self.ledger);
+                kernel.prepare(stack, own, sources, stop);
+                *kind = Kind::Azimuthal(Box::new(kernel));
+            }
             (None, Kind::Layered(kernel)) => kernel.prepare(stack, own, sources, stop),
             (Some(panel), kind) => {
                 let mut kernel = panel::Kernel::new(self.level);
@@ -270,7 +283,8 @@ impl Kernel {
         }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.serves(panel),
-            (None, Kind::Layered(kernel)) => kernel.serves(stack),
+            (None, Kind::Layered(kernel)) => kernel.serves(stack) && !azimuthal::applies(stack),
+            (None, Kind::Azimuthal(kernel)) => kernel.serves(stack),
             _ => false,
         }
     }
@@ -294,6 +308,7 @@ impl Kernel {
         let mut estimate = match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.estimate(panel, view),
             (None, Kind::Layered(kernel)) => kernel.estimate(stack, view, stop),
+            (None, Kind::Azimuthal(kernel)) => kernel.estimate(stack, view, stop),
             _ => {
                 debug_assert!(false, "a kernel is prepared before it is used");
                 Estimate::default()
@@ -372,6 +387,7 @@ impl Kernel {
             Kind::Empty => 0,
             Kind::Panel(kernel) => kernel.nodes(),
             Kind::Layered(kernel) => kernel.nodes(),
+            Kind::Azimuthal(kernel) => kernel.nodes(),
             Kind::Polarised(kernels) => kernels.iter().map(Self::nodes).sum(),
         }
     }

@@ -88,7 +88,7 @@ impl LobeReflection {
     }
 
     /// Returns the fraction of light with this `|beta|` that returns into the medium of index `n`.
-    fn returned(&self, bin: usize, length: f64, n: f64) -> f64 {
+    pub(crate) fn returned(&self, bin: usize, length: f64, n: f64) -> f64 {
         let within = match &self.lobe {
             ReflectedLobe::Lobe(lobe @ Lobe::KCorrelation { .. }) => lobe.fraction_in_disc(length, n),
             ReflectedLobe::Lobe(Lobe::Lambertian) => 1.0,
@@ -103,6 +103,11 @@ impl LobeReflection {
             ReflectedLobe::Lobe(Lobe::Lambertian) => None,
             ReflectedLobe::Kernel(scatter) => Some(Narrowness::Face { width: scatter.width() }),
         }
+    }
+
+    /// Returns the density of light that is scattered between two directions in air.
+    pub(crate) fn density(&self, from: Beta, to: Beta) -> f64 {
+        self.scatter(from, to, 1.0).value
     }
 
     /// Returns the densities of light scattered between two directions of a medium of index `n`.

@@ -24,7 +24,7 @@ pub(super) fn radii_of(nodes: &[Node]) -> [f64; LANES] {
 /// Computes the first `count` Fourier orders 0, 1, ... of the lobe between radius `a` and each of the nodes:
 /// its density there is `sum over all m of orders[|m|] exp(i m phi)`. `each` receives an order, the number
 /// of the first node and the orders of that and the following nodes.
-pub(super) fn orders_of_nodes(
+pub(in crate::adding) fn orders_of_nodes(
     lobe: Lobe,
     a: f64,
     nodes: &[Node],
@@ -131,7 +131,7 @@ fn second_kind(k_prime_squared: [f64; LANES]) -> [f64; LANES] {
 }
 
 /// Adds the singularities of a lobe around radius `centre`, as a function of the other radius.
-pub(super) fn poles(lobe: Lobe, centre: f64, poles: &mut Vec<Pole>) {
+pub(in crate::adding) fn poles(lobe: Lobe, centre: f64, poles: &mut Vec<Pole>) {
     if let Lobe::KCorrelation { width } = lobe {
         for at in [centre, -centre] {
             let near = |pole: &Pole| (pole.at - at).abs() < 0.25 * width;

@@ -122,6 +122,7 @@ impl TwoPlanes {
     ) -> Result<Shown, SpreadError> {
         let (bins, mut shown) = (self.bins, self.nothing(asked));
         let (mut rho, mut known) = (vec![0.0; panel.base.states() * bins], f64::NAN);
+        let is_azimuthal = panel.base.is_azimuthal();
         let is_plane = self.cells.varies(0) && self.cells.varies(1);
         let faintest = FAINTEST * FAINTER.powi(level as i32);
         let times = MOST_RETURNS[usize::from(is_plane)] << level;
@@ -135,10 +136,12 @@ impl TwoPlanes {
             part.each_sample(|sample| {
                 let squared = sample.beta.squared();
                 if squared != known {
-                    panel.base.reflectance(squared, &panel.medium, &mut rho);
                     face.set_surface(panel, squared);
-                    known = squared;
                 }
+                if squared != known || is_azimuthal {
+                    panel.base.reflectance_towards(sample.beta, &panel.medium, &mut rho);
+                }
+                known = squared;
                 let of = |row: &[f64]| lit.iter().map(|bin| row[*bin]).collect::<Vec<_>>();
                 let passes = self.oblique(squared.sqrt(), part.index());
                 let factors = Factors {

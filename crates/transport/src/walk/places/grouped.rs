@@ -96,7 +96,8 @@ fn lobe<'a>(tracer: &Tracer<'a>) -> Option<(&'a Diffuser, f64, f64)> {
     let clear = layer.medium.transmittance().is_none() && layer.medium.scattering().is_none();
     let plain = tracer.sources.iter().all(|source| matches!(source, Source::Diffuse | Source::Beam(_)));
     let is_uniform = clear && plain && tracer.bands == 1 && diffuser.regular_fraction == 0.0;
-    (is_uniform && tracer.stack.base().is_specular()).then_some((diffuser, width, index))
+    let base = tracer.stack.base();
+    (is_uniform && base.is_specular() && !base.is_azimuthal()).then_some((diffuser, width, index))
 }
 
 impl<'a> Grouped<'a> {

@@ -31,7 +31,7 @@ impl Tracer<'_> {
             self.stack.base().reflectance(first.beta_squared, self.lowest(), &mut work.reflectance);
             path.light.expand(&work.reflectance);
         }
-        self.stack.base().reflectance(squared, self.lowest(), &mut work.reflectance);
+        self.stack.base().reflectance_towards(path.beta, self.lowest(), &mut work.reflectance);
         self.reflect(path, work, record);
     }
 

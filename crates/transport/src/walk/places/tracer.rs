@@ -154,7 +154,10 @@ impl<'a> Tracer<'a> {
         let (bins, states, images) = (self.bins(), self.stack.base().states(), self.images());
         // The light of two places of a pattern is no sum of lights of states.
         let meets_two = self.spread.is_some() && matches!(self.shows, Shows::Pattern(_));
-        let looks_up = !matches!(self.stack.base().reflector, Reflector::Scattering(_)) && !meets_two;
+        // A look-up is by inclination alone.
+        let base = self.stack.base();
+        let looks_up =
+            !matches!(base.reflector, Reflector::Scattering(_)) && !base.is_azimuthal() && !meets_two;
         let shown = match self.shows {
             Shows::EachState => Shown::EachState,
             Shows::Pattern(_) => Shown::Covered(Vec::new()),

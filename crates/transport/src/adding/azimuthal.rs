@@ -1,0 +1,756 @@
+//! A diffuser above a mirror-like pixel that depends on azimuth, such as a liquid crystal: light by direction.
+//!
+//! Elsewhere Fourier orders over the azimuth are followed one by one; such a pixel mixes them.
+//!
+//! # Method
+//! With the light `E` of a source below the diffuser, the light `V` of the view there, the reflectance `R` of the pixel and the light
+//! `G` that the diffuser sends back down, the pixel receives `x = E + G R x`, and what is seen is `V R x`.
+//!
+//! - **First order**, `V R E`: an integral over a disc of directions: rings that are graded about those of lobes, each with uniform
+//!   azimuths. The pixel is linear in the values of its table: the integral is a set of weights on its nodes and harmonics.
+//! - **Further orders**, `V R (x - E)`, some per cent of that: on a coarser grid of the same kind, where G is a product of matrices
+//!   for each azimuthal order. Orders are added until they are negligible.
+//!
+//! The regular light of a diffuser keeps its direction. Light counts as unpolarised, as below any scatterer.
+//!
+//! **Covered**: one k-correlation or Lambertian diffuser on clear glass without dispersion, with or without a reflection of its own that
+//! has no mirror image from below; all light, if its directions are not too many. Everything else is for Monte Carlo.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
+use papilio_spectra::StateSpectra;
+
+use super::panel::lobes::{orders_of_nodes, poles};
+use crate::angular::add_rows;
+use crate::layers::{LobeReflection, ReflectedLobe};
+use crate::light::cone_points::{Nodes as ConeNodes, Point, cone_points_of, disc_points, smooth_at};
+use crate::light::images::{ImagePoints, Mirror, image_points};
+use crate::light::rings::{Peaks, Ring, rings};
+use crate::numerics::product::add_product;
+use crate::numerics::quadrature::{Node, radial};
+use crate::specular::layered_image;
+use crate::{
+    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Ledger, Medium, Nodes, ReflectanceFactor,
+    Reflector, Source, Stack,
+};
+
+/// Natural digits of level 0, of each further level, and the least.
+const DIGITS: [f64; 3] = [8.0, 3.0, 4.0];
+
+/// Digits that further orders have fewer: they are some per cent of the light.
+const FEWER_DIGITS: f64 = 3.0;
+
+/// Angle over which the pixel changes, in direction cosines.
+const SMOOTH: f64 = 0.3;
+
+/// Most numbers that light of further orders takes, and its kernels.
+const MOST_NUMBERS: usize = 60_000_000;
+
+/// Most directions of the first order.
+const MOST_DIRECTIONS: usize = 4_000_000;
+
+/// Most points of sources whose light a diffuser passes straight, and most pairs of points and directions: a second.
+const MOST_POINTS: usize = 100;
+const MOST_PAIRS: f64 = 3e8;
+
+/// Level whose size decides what is covered.
+const SECOND_LEVEL: f64 = 1.0;
+
+/// The diffuser on its glass.
+#[derive(Debug, Clone)]
+struct Film {
+    diffuser: Diffuser,
+    /// What it reflects from above and from below.
+    sides: [Option<LobeReflection>; 2],
+    medium: Medium,
+    index: f64,
+}
+
+/// Light of a source, or of a view, above the diffuser.
+#[derive(Debug, Clone, PartialEq)]
+enum Light {
+    Diffuse,
+    /// Directions, with weights that sum to 1.
+    Points(Vec<Point>),
+}
+
+/// Rings of directions, each with uniform azimuths.
+#[derive(Debug, Clone)]
+struct Grid {
+    rings: Vec<Node>,
+    azimuths: usize,
+}
+
+/// Light that the diffuser sends back down, per unit of its reflectance.
+#[derive(Debug, Clone)]
+struct Back {
+    lobe: Lobe,
+    grid: Grid,
+    /// By azimuthal order, `[order][to ring][from ring]`, with the weights of the rings.
+    orders: Vec<Vec<f64>>,
+    /// Harmonics 1, cos, sin, cos 2, ... of a ring, `[harmonic][azimuth]`, and back.
+    analysis: Vec<f64>,
+    synthesis: Vec<f64>,
+}
+
+/// Light of further orders of all sources over a base.
+#[derive(Debug)]
+struct Returned {
+    base: Base,
+    /// Reflectance, `[node][column]`; a column is a state and a wavelength.
+    rho: Vec<f64>,
+    /// By source.
+    lights: Vec<ReturnedLight>,
+}
+
+/// Light that the diffuser has sent back down, at each node and column: what arrives, and what the pixel reflects of it.
+#[derive(Debug, Default)]
+struct ReturnedLight {
+    arrives: Vec<f64>,
+    rises: Vec<f64>,
+}
+
+/// Kernel prepared for a stack, its views and its sources.
+#[derive(Debug)]
+pub(super) struct Kernel {
+    digits: f64,
+    ledger: bool,
+    film: Option<Film>,
+    nodes: Nodes,
+    views: Vec<Vec<Point>>,
+    /// The last is diffuse light, for the ledger.
+    sources: Vec<Light>,
+    /// For each view, the mirror images in it.
+    images: Vec<Vec<ImagePoints>>,
+    /// Of the first order, with the harmonics of the pixel at its azimuths.
+    grid: Grid,
+    waves: Vec<f64>,
+    /// Light of each source there.
+    lit: Vec<Vec<f64>>,
+    back: Option<Back>,
+    last: Mutex<Option<Arc<Returned>>>,
+}
+
+impl Clone for Kernel {
+    fn clone(&self) -> Self {
+        Self {
+            film: self.film.clone(),
+            nodes: self.nodes.clone(),
+            views: self.views.clone(),
+            sources: self.sources.clone(),
+            images: self.images.clone(),
+            grid: self.grid.clone(),
+            waves: self.waves.clone(),
+            lit: self.lit.clone(),
+            back: self.back.clone(),
+            last: Mutex::new(self.last.lock().unwrap_or_else(PoisonError::into_inner).clone()),
+            ..*self
+        }
+    }
+}
+
+/// Returns whether a stack is of this kind.
+pub(super) fn applies(stack: &Stack) -> bool {
+    Film::of(stack).is_some()
+}
+
+/// Estimates the work of two levels, in seconds of one processor; `None` if these views and sources are not covered.
+pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Option<f64> {
+    /// Per direction of the first order and source, and per product of the further orders.
+    const DIRECTION: f64 = 1e-8;
+    const PRODUCT: f64 = 3e-10;
+    let film = Film::of(stack)?;
+    let Reflector::Specular(table) = &stack.base().reflector else { return None };
+    let digits = digits(SECOND_LEVEL);
+    let [views, sources] = [film.views(views, digits), film.points_of(sources, views, digits)];
+    let lit = (sources.len() + 2) as f64;
+    let all = radii(views.iter().chain(&sources));
+    let grid = film.grid_of(table, &all, digits);
+    let points: usize = sources.iter().map(Vec::len).sum();
+    // Regular light of each point is sent back to all directions.
+    let is_many = film.regular() > 0.0 && points > MOST_POINTS;
+    if grid.len() > MOST_DIRECTIONS || is_many || points as f64 * grid.len() as f64 > MOST_PAIRS {
+        return None;
+    }
+    let first = grid.len() as f64 * (views.len() as f64 * lit + points as f64) * DIRECTION;
+    let Some(lobe) = film.lobe_back() else { return Some(first) };
+    let (grid, orders) = film.grid_back(lobe, &all, digits);
+    let columns = stack.base().states() * stack.base().bins();
+    let numbers = grid.len() * columns * (sources.len() + 2) + grid.rings.len().pow(2) * orders;
+    // About five orders.
+    let products = (2 * orders * grid.rings.len().pow(2) + 4 * orders * grid.len()) as f64 * columns as f64;
+    (numbers <= MOST_NUMBERS).then_some(first + 5.0 * lit * products * PRODUCT)
+}
+
+fn digits(level: f64) -> f64 {
+    let [first, more, least] = DIGITS;
+    (first + more * level).max(least)
+}
+
+impl Film {
+    /// The only layer of a stack; `None` if it is not covered.
+    fn of(stack: &Stack) -> Option<Self> {
+        let [Layer { interface, medium, .. }] = &stack.layers[..] else { return None };
+        if !stack.base().is_azimuthal() || medium.transmittance().is_some() || medium.scattering().is_some() {
+            return None;
+        }
+        let (through, sides) = match interface {
+            Interface::Reflecting(film) => (film.transmission(), film.reflections().clone()),
+            other => (other, [None, None]),
+        };
+        let Interface::Diffuser(diffuser) = through else { return None };
+        let is_lobe = |side: &LobeReflection| matches!(side.lobe(), ReflectedLobe::Lobe(_));
+        let [_, below] = &sides;
+        let has_image = below.as_ref().is_some_and(|below| below.shares()[1] > 0.0);
+        (sides.iter().flatten().all(is_lobe) && !has_image).then_some(Self {
+            diffuser: diffuser.clone(),
+            sides,
+            index: medium.constant_index()?,
+            medium: medium.clone(),
+        })
+    }
+
+    /// Width of the narrowest lobe.
+    fn width(&self) -> f64 {
+        let reflected = self.sides.iter().flatten().filter_map(|side| match side.lobe() {
+            ReflectedLobe::Lobe(lobe) => Some(*lobe),
+            ReflectedLobe::Kernel(_) => None,
+        });
+        let width = |lobe: Lobe| match lobe {
+            Lobe::KCorrelation { width } => width,
+            Lobe::Lambertian => SMOOTH,
+        };
+        std::iter::once(self.diffuser.lobe).chain(reflected).map(width).fold(SMOOTH, f64::min)
+    }
+
+    fn views(&self, views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
+        let scale = |view: &Cone| self.width().min(smooth_at(view, SMOOTH));
+        let points = |view: &Cone| cone_points_of(view, scale(view), digits, ConeNodes::default());
+        views.iter().map(points).collect()
+    }
+
+    /// Directions of the sources; diffuse light has none.
+    fn points_of(&self, sources: &[Source], views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
+        let points = |source: &Source| match source {
+            Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
+            Source::Disc(cone) => disc_points(cone, self.width().min(smooth_at(cone, SMOOTH)), digits),
+            Source::Field(field) => {
+                let rings = rings(field, Peaks { views, width: self.width() }, digits);
+                rings.iter().flat_map(Ring::points).collect()
+            }
+            Source::Diffuse => Vec::new(),
+        };
+        sources.iter().map(points).collect()
+    }
+
+    /// The lobe of light that is sent back down.
+    fn lobe_back(&self) -> Option<Lobe> {
+        match self.sides[1].as_ref()?.lobe() {
+            ReflectedLobe::Lobe(lobe) => Some(*lobe),
+            ReflectedLobe::Kernel(_) => None,
+        }
+    }
+
+    fn regular(&self) -> f64 {
+        self.diffuser.regular_fraction
+    }
+
+    /// Light that arrives in a direction below a diffuser that transmits everything; of points, what is scattered.
+    fn arrives(&self, light: &Light, beta: Beta) -> f64 {
+        let (lobe, regular) = (self.diffuser.lobe, self.regular());
+        match light {
+            Light::Diffuse => {
+                let length = beta.length();
+                let straight = if length <= 1.0 { regular } else { 0.0 };
+                straight + (1.0 - regular) * lobe.fraction_in_disc(length, 1.0)
+            }
+            Light::Points(points) => {
+                let of = |point: &Point| point.weight * lobe.evaluate(point.beta, beta);
+                (1.0 - regular) * points.iter().map(of).sum::<f64>()
+            }
+        }
+    }
+
+    /// All light that arrives of a view.
+    fn arrives_in_all(&self, points: &[Point]) -> f64 {
+        let lobe = self.diffuser.lobe;
+        let of = |point: &Point| {
+            let scattered = lobe.fraction_in_disc(point.beta.length(), self.index);
+            point.weight * (self.regular() + (1.0 - self.regular()) * scattered)
+        };
+        points.iter().map(of).sum()
+    }
+
+    /// What the lobe sends back of light from one direction to another, per unit of its reflectance.
+    fn sends_back(&self, lobe: Lobe, from: Beta, to: Beta) -> f64 {
+        match lobe {
+            Lobe::KCorrelation { .. } => lobe.evaluate(from, to),
+            Lobe::Lambertian => (PI * self.index * self.index).recip(),
+        }
+    }
+
+    /// Light that it reflects above, over that of a source, by wavelength.
+    fn front(&self, view: &[Point], light: &Light) -> Vec<f64> {
+        let bins = self.diffuser.transmittance.len();
+        let Some(above) = &self.sides[0] else { return vec![0.0; bins] };
+        match light {
+            Light::Diffuse => {
+                let of = |bin: usize| {
+                    view.iter().map(|v| v.weight * above.returned(bin, v.beta.length(), 1.0)).sum()
+                };
+                (0..bins).map(of).collect()
+            }
+            Light::Points(points) => {
+                let pairs = view.iter().flat_map(|v| points.iter().map(move |l| (v, l)));
+                let density = |(v, l): (&Point, &Point)| v.weight * l.weight * above.density(v.beta, l.beta);
+                let sum: f64 = pairs.map(density).sum();
+                above.scattered().iter().map(|scattered| PI * scattered * sum).collect()
+            }
+        }
+    }
+
+    /// The grid of light between points of these radii, and the number of azimuths that `more` harmonics take.
+    fn grid(&self, lobes: &[Lobe], radii: &[f64], breaks: Vec<f64>, (digits, more): (f64, usize)) -> Grid {
+        let (mut sharp, mut breaks) = (Vec::new(), breaks);
+        for lobe in lobes {
+            radii.iter().for_each(|radius| poles(*lobe, *radius, &mut sharp));
+            poles(*lobe, 1.0, &mut sharp);
+        }
+        breaks.push(1.0);
+        let rings = radial(self.index, &breaks, &sharp, digits);
+        let farthest = radii.iter().copied().fold(0.0, f64::max);
+        // The trapezoid rule over the azimuth errs by exp(-azimuths x distance of the pole).
+        let distance = (self.width() / farthest.max(1e-6)).asinh();
+        let azimuths = (digits / distance).ceil() as usize + more;
+        Grid { rings, azimuths: azimuths.next_multiple_of(2).max(8) }
+    }
+
+    /// The grid of the first order.
+    fn grid_of(&self, table: &AngularTable, radii: &[f64], digits: f64) -> Grid {
+        let breaks = table.nodes.breaks(self.index);
+        self.grid(&[self.diffuser.lobe], radii, breaks, (digits, table.harmonics()))
+    }
+
+    /// The grid of further orders, with their number of azimuthal orders.
+    fn grid_back(&self, lobe: Lobe, radii: &[f64], digits: f64) -> (Grid, usize) {
+        let digits = (digits - FEWER_DIGITS).max(DIGITS[2]);
+        let grid = self.grid(&[self.diffuser.lobe, lobe], radii, Vec::new(), (digits, 8));
+        let orders = match lobe {
+            Lobe::KCorrelation { .. } => grid.azimuths / 2,
+            Lobe::Lambertian => 1,
+        };
+        (grid, orders)
+    }
+}
+
+/// Radii of points, without those that are nearly equal.
+fn radii<'a>(points: impl Iterator<Item = &'a Vec<Point>>) -> Vec<f64> {
+    let mut radii: Vec<f64> = points.flatten().map(|point| point.beta.length()).collect();
+    radii.sort_unstable_by(f64::total_cmp);
+    radii.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
+    radii
+}
+
+impl Grid {
+    /// Number of directions.
+    fn len(&self) -> usize {
+        self.rings.len() * self.azimuths
+    }
+
+    fn turn(&self, azimuth: usize) -> f64 {
+        TAU * azimuth as f64 / self.azimuths as f64
+    }
+
+    /// All directions with their weights, ring by ring.
+    fn points(&self) -> impl Iterator<Item = Point> {
+        let turns: Vec<(f64, f64)> = (0..self.azimuths).map(|k| self.turn(k).sin_cos()).collect();
+        (0..self.len()).map(move |at| {
+            let (ring, (sin, cos)) = (&self.rings[at / self.azimuths], turns[at % self.azimuths]);
+            let weight = ring.weight / self.azimuths as f64;
+            Point { beta: Beta { x: ring.x * cos, y: ring.x * sin }, weight }
+        })
+    }
+
+    /// Light of a view or a source below the diffuser, at all directions.
+    fn light(&self, film: &Film, light: &Light) -> Vec<f64> {
+        match light {
+            // The same at all azimuths.
+            Light::Diffuse => {
+                let of = |ring: &Node| film.arrives(light, Beta { x: ring.x, y: 0.0 });
+                self.rings.iter().flat_map(|ring| std::iter::repeat_n(of(ring), self.azimuths)).collect()
+            }
+            Light::Points(_) => self.points().map(|node| film.arrives(light, node.beta)).collect(),
+        }
+    }
+
+    /// The same times the weights of the directions.
+    fn weighted(&self, film: &Film, light: &Light) -> Vec<f64> {
+        let mut values = self.light(film, light);
+        for (ring, values) in self.rings.iter().zip(values.chunks_exact_mut(self.azimuths)) {
+            values.iter_mut().for_each(|value| *value *= ring.weight / self.azimuths as f64);
+        }
+        values
+    }
+}
+
+impl Back {
+    fn new(film: &Film, lobe: Lobe, radii: &[f64], digits: f64) -> Self {
+        let (grid, count) = film.grid_back(lobe, radii, digits);
+        let rings = grid.rings.len();
+        let mut orders = vec![vec![0.0; rings * rings]; count];
+        for (to, ring) in grid.rings.iter().enumerate() {
+            match lobe {
+                Lobe::KCorrelation { .. } => {
+                    orders_of_nodes(lobe, ring.x, &grid.rings, count, |order, first, values| {
+                        let row = &mut orders[order][to * rings + first..];
+                        let pairs = row.iter_mut().zip(&grid.rings[first..]).zip(values);
+                        pairs.for_each(|((out, from), value)| *out = from.weight * value);
+                    });
+                }
+                Lobe::Lambertian => {
+                    let value = film.sends_back(lobe, Beta::default(), Beta::default());
+                    let row = orders[0][to * rings..].iter_mut().zip(&grid.rings);
+                    row.for_each(|(out, from)| *out = from.weight * value);
+                }
+            }
+        }
+        let azimuths = grid.azimuths;
+        let wave = |harmonic: usize, azimuth: usize| {
+            let (sin, cos) = (harmonic.div_ceil(2) as f64 * grid.turn(azimuth)).sin_cos();
+            if harmonic.is_multiple_of(2) && harmonic > 0 { sin } else { cos }
+        };
+        let harmonics = 2 * count - 1;
+        let norm = |harmonic: usize| if harmonic == 0 { 1.0 } else { 2.0 } / azimuths as f64;
+        let analysis = (0..harmonics * azimuths).map(|at| (at / azimuths, at % azimuths));
+        let analysis = analysis.map(|(harmonic, azimuth)| norm(harmonic) * wave(harmonic, azimuth)).collect();
+        let synthesis = (0..harmonics * azimuths).map(|at| wave(at % harmonics, at / harmonics)).collect();
+        Self { lobe, orders, analysis, synthesis, grid }
+    }
+
+    /// Returns the light that is sent back of light that rises, `[node][column]`.
+    fn apply(&self, rises: &[f64], columns: usize) -> Vec<f64> {
+        let (rings, azimuths, harmonics) =
+            (self.grid.rings.len(), self.grid.azimuths, 2 * self.orders.len() - 1);
+        let (of_ring, row) = (azimuths * columns, rings * columns);
+        let mut waves = vec![0.0; harmonics * row];
+        let mut own = vec![0.0; harmonics * columns];
+        for (ring, rises) in rises.chunks_exact(of_ring).enumerate() {
+            own.fill(0.0);
+            add_product(&self.analysis, rises, azimuths, &mut own);
+            for (harmonic, values) in own.chunks_exact(columns).enumerate() {
+                waves[harmonic * row + ring * columns..][..columns].copy_from_slice(values);
+            }
+        }
+        let mut sent = vec![0.0; harmonics * row];
+        for (harmonic, (waves, sent)) in waves.chunks_exact(row).zip(sent.chunks_exact_mut(row)).enumerate() {
+            add_product(&self.orders[harmonic.div_ceil(2)], waves, rings, sent);
+        }
+        let mut out = vec![0.0; rings * of_ring];
+        for (ring, out) in out.chunks_exact_mut(of_ring).enumerate() {
+            for (harmonic, values) in own.chunks_exact_mut(columns).enumerate() {
+                values.copy_from_slice(&sent[harmonic * row + ring * columns..][..columns]);
+            }
+            add_product(&self.synthesis, &own, harmonics, out);
+        }
+        out
+    }
+}
+
+impl Kernel {
+    pub(super) fn new(level: f64, ledger: bool) -> Self {
+        Self {
+            digits: digits(level),
+            ledger,
+            film: None,
+            nodes: Nodes::Constant,
+            views: Vec::new(),
+            sources: Vec::new(),
+            images: Vec::new(),
+            grid: Grid { rings: Vec::new(), azimuths: 0 },
+            waves: Vec::new(),
+            lit: Vec::new(),
+            back: None,
+            last: Mutex::default(),
+        }
+    }
+
+    /// Prepares views and sources; incomplete if `stop` is set during the computation.
+    pub(super) fn prepare(&mut self, stack: &Stack, views: &[Cone], sources: &[Source], stop: &AtomicBool) {
+        let (digits, ledger) = (self.digits, self.ledger);
+        *self = Self { digits, ..Self::new(0.0, ledger) };
+        let (Some(film), Reflector::Specular(table)) = (Film::of(stack), &stack.base().reflector) else {
+            debug_assert!(false, "what is not covered is refused before");
+            return;
+        };
+        self.nodes = table.nodes.clone();
+        self.views = film.views(views, digits);
+        let directed = film.points_of(sources, views, digits);
+        let mirror = |view: &Cone| Mirror::Across(stack.base().nodes_across(view, &film.medium));
+        self.images = views.iter().map(|view| image_points(view, sources, digits, mirror(view))).collect();
+        let all = radii(self.views.iter().chain(&directed));
+        self.grid = film.grid_of(table, &all, digits);
+        self.waves = table.waves(self.grid.azimuths);
+        self.back = film.lobe_back().map(|lobe| Back::new(&film, lobe, &all, digits));
+        let light =
+            |points: Vec<Point>| if points.is_empty() { Light::Diffuse } else { Light::Points(points) };
+        self.sources = directed.into_iter().map(light).chain([Light::Diffuse]).collect();
+        let lit = self.sources.iter().take_while(|_| !stop.load(Ordering::Relaxed));
+        self.lit = lit.map(|light| self.grid.light(&film, light)).collect();
+        self.film = Some(film);
+    }
+
+    /// Returns whether its directions are also right over this base.
+    pub(super) fn serves(&self, stack: &Stack) -> bool {
+        matches!(&stack.base().reflector, Reflector::Specular(table) if table.nodes == self.nodes)
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        self.grid.rings.len()
+    }
+
+    /// Returns the estimate of a view; invalid if `stop` was set during the computation.
+    pub(super) fn estimate(&self, stack: &Stack, view: usize, stop: &AtomicBool) -> Estimate {
+        let (Some(film), Reflector::Specular(table)) = (&self.film, &stack.base().reflector) else {
+            return Estimate::default();
+        };
+        let Some(returned) = self.returned(film, stack.base(), stop) else { return Estimate::default() };
+        let points = &self.views[view];
+        let own = Light::Points(points.clone());
+        let of_view = self.grid.weighted(film, &own);
+        let again = self.back.as_ref().map(|back| back.grid.weighted(film, &own)).unwrap_or_default();
+        let seen = |(number, light): (usize, &Light)| ReflectanceFactor {
+            via_pixel: self.via_pixel(film, table, (points, [&of_view, &again]), (number, &returned)),
+            front: film.front(points, light),
+        };
+        let mut rho: Vec<ReflectanceFactor> = self.sources.iter().enumerate().map(seen).collect();
+        let in_diffuse = rho.pop().unwrap_or_default().total();
+        for image in &self.images[view] {
+            for point in &image.points {
+                rho[image.source].add(&layered_image(stack, point.beta), point.weight);
+            }
+        }
+        let ledger = match self.ledger {
+            true => {
+                self.ledger(film, (stack.base(), table), (points, &of_view), (&returned, in_diffuse), stop)
+            }
+            false => Ledger::zeros(stack.base().states(), stack.base().bins()),
+        };
+        Estimate { rho, ledger }
+    }
+
+    /// Light of a source that a view sees via the pixel; `of_view` is its light on both grids, weighted.
+    fn via_pixel(
+        &self,
+        film: &Film,
+        table: &AngularTable,
+        (points, [of_view, again]): (&[Point], [&[f64]; 2]),
+        (number, returned): (usize, &Returned),
+    ) -> StateSpectra {
+        let (light, bins) = (&self.sources[number], film.diffuser.transmittance.len());
+        let mut sum = table.sum_of(&self.first_order(film, table, (points, of_view), Some(number)));
+        if self.back.is_some() {
+            add_rows(&mut sum, &returned.lights[number].rises, again);
+            for point in points.iter().filter(|_| film.regular() > 0.0) {
+                let arrives = self.sent_back_to(film, point.beta, (number, returned), table);
+                let rho = reflectance(table, film, point.beta);
+                let regular = film.regular() * point.weight;
+                sum.iter_mut()
+                    .zip(arrives.iter().zip(&rho))
+                    .for_each(|(sum, (x, r))| *sum += regular * x * r);
+            }
+        }
+        let scale = if *light == Light::Diffuse { 1.0 } else { PI };
+        for (at, sum) in sum.iter_mut().enumerate() {
+            *sum *= scale * film.diffuser.transmittance[at % bins].powi(2);
+        }
+        StateSpectra::new(sum, bins)
+    }
+
+    /// Light that the diffuser sends back to a direction which is no node, by column.
+    fn sent_back_to(
+        &self,
+        film: &Film,
+        to: Beta,
+        (number, returned): (usize, &Returned),
+        table: &AngularTable,
+    ) -> Vec<f64> {
+        let Some(back) = &self.back else { return vec![0.0; table.state_count() * table.common.len()] };
+        let light = &self.sources[number];
+        let columns = table.state_count() * table.common.len();
+        let mut sum = vec![0.0; columns];
+        let nodes: Vec<Point> = back.grid.points().collect();
+        let weights: Vec<f64> =
+            nodes.iter().map(|node| node.weight * film.sends_back(back.lobe, node.beta, to)).collect();
+        add_rows(&mut sum, &returned.lights[number].rises, &weights);
+        let of_first =
+            nodes.iter().zip(&weights).map(|(node, weight)| weight * film.arrives(light, node.beta));
+        add_rows(&mut sum, &returned.rho, &of_first.collect::<Vec<_>>());
+        if let Light::Points(points) = light {
+            for point in points {
+                let weight = film.regular() * point.weight * film.sends_back(back.lobe, point.beta, to);
+                add_rows(&mut sum, &reflectance(table, film, point.beta), &[weight]);
+            }
+        }
+        film.times_reflectance(&mut sum, table.common.len());
+        sum
+    }
+
+    /// Weights of the nodes and harmonics of the pixel's table: the integral of the light of a view times that of a source, by its
+    /// number, or of the light of the view alone.
+    fn first_order(
+        &self,
+        film: &Film,
+        table: &AngularTable,
+        (points, of_view): (&[Point], &[f64]),
+        source: Option<usize>,
+    ) -> Vec<f64> {
+        let mut sums = table.no_weights();
+        let azimuths = self.grid.azimuths;
+        let mut along = vec![0.0; azimuths];
+        for (number, ring) in self.grid.rings.iter().enumerate() {
+            let here = number * azimuths..(number + 1) * azimuths;
+            along.copy_from_slice(&of_view[here.clone()]);
+            if let Some(source) = source {
+                along.iter_mut().zip(&self.lit[source][here]).for_each(|(light, lit)| *light *= lit);
+            }
+            table.add_ring(&mut sums, (ring.x * ring.x, film.index), (&along, &self.waves));
+        }
+        let source = source.map(|source| &self.sources[source]);
+        if film.regular() == 0.0 {
+            return sums;
+        }
+        let mut add = |beta: Beta, weight: f64| table.add_direction(&mut sums, (beta, film.index), weight);
+        for point in points {
+            let arrives = source.map_or(1.0, |light| film.arrives(light, point.beta));
+            add(point.beta, film.regular() * point.weight * arrives);
+        }
+        if let Some(Light::Points(lit)) = source {
+            let own = Light::Points(points.to_vec());
+            for point in lit {
+                add(point.beta, film.regular() * point.weight * film.arrives(&own, point.beta));
+            }
+        }
+        sums
+    }
+
+    /// Light of further orders over this base; `None` if `stop` was set.
+    fn returned(&self, film: &Film, base: &Base, stop: &AtomicBool) -> Option<Arc<Returned>> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last.as_ref().filter(|known| known.base == *base) {
+            return Some(Arc::clone(known));
+        }
+        let mut found = Returned { base: base.clone(), rho: Vec::new(), lights: Vec::new() };
+        if let (Some(back), Reflector::Specular(table)) = (&self.back, &base.reflector) {
+            found.rho = back.grid.points().flat_map(|node| reflectance(table, film, node.beta)).collect();
+            for light in &self.sources {
+                found.lights.push(self.sent_back(film, table, light, (&found.rho, stop))?);
+            }
+        }
+        let found = Arc::new(found);
+        *last = Some(Arc::clone(&found));
+        Some(found)
+    }
+
+    /// Light that is sent back down once and more often; `None` if `stop` was set.
+    fn sent_back(
+        &self,
+        film: &Film,
+        table: &AngularTable,
+        light: &Light,
+        (rho, stop): (&[f64], &AtomicBool),
+    ) -> Option<ReturnedLight> {
+        /// A diffuser reflects less than everything, a pixel too.
+        const MOST_ORDERS: usize = 400;
+        let Some(back) = &self.back else { return Some(ReturnedLight::default()) };
+        let (columns, bins) = (table.state_count() * table.common.len(), table.common.len());
+        let first = back.grid.light(film, light);
+        let first: Vec<f64> = rho
+            .chunks_exact(columns)
+            .zip(&first)
+            .flat_map(|(rho, x)| rho.iter().map(move |r| r * x))
+            .collect();
+        let sent = |rises: &[f64]| {
+            let mut sent = back.apply(rises, columns);
+            film.times_reflectance(&mut sent, bins);
+            sent
+        };
+        let mut once = sent(&first);
+        if let Light::Points(points) = light {
+            for point in points.iter().filter(|_| film.regular() > 0.0) {
+                let mut rises = reflectance(table, film, point.beta);
+                film.times_reflectance(&mut rises, bins);
+                for (out, node) in once.chunks_exact_mut(columns).zip(back.grid.points()) {
+                    let weight =
+                        film.regular() * point.weight * film.sends_back(back.lobe, point.beta, node.beta);
+                    out.iter_mut().zip(&rises).for_each(|(out, rises)| *out += weight * rises);
+                }
+            }
+        }
+        let (mut arrives, mut order) = (once.clone(), once);
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let negligible = largest(&arrives) * (-self.digits).exp();
+        for _ in 0..MOST_ORDERS {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let rises: Vec<f64> = order.iter().zip(rho).map(|(x, r)| x * r).collect();
+            order = sent(&rises);
+            arrives.iter_mut().zip(&order).for_each(|(sum, more)| *sum += more);
+            if largest(&order) <= negligible {
+                break;
+            }
+        }
+        let rises = arrives.iter().zip(rho).map(|(x, r)| x * r).collect();
+        Some(ReturnedLight { arrives, rises })
+    }
+
+    /// What becomes of a beam from a view, given what of diffuse light the view sees.
+    fn ledger(
+        &self,
+        film: &Film,
+        (base, table): (&Base, &AngularTable),
+        (points, of_view): (&[Point], &[f64]),
+        (returned, in_diffuse): (&Returned, StateSpectra),
+        stop: &AtomicBool,
+    ) -> Ledger {
+        let bins = base.bins();
+        let reflected = table.sum_of(&self.first_order(film, table, (points, of_view), None));
+        let arrives = film.arrives_in_all(points);
+        // Light that arrives, and what of it is absorbed, by column.
+        let mut all = vec![arrives; reflected.len()];
+        let mut rises = reflected;
+        let own = Light::Points(points.to_vec());
+        let again = self.sent_back(film, table, &own, (&returned.rho, stop)).unwrap_or_default();
+        if let Some(back) = &self.back {
+            let weights: Vec<f64> = back.grid.points().map(|node| node.weight).collect();
+            add_rows(&mut all, &again.arrives, &weights);
+            add_rows(&mut rises, &again.rises, &weights);
+        }
+        let through = |at: usize| film.diffuser.transmittance[at % bins];
+        let spectra = |of: &dyn Fn(usize) -> f64| StateSpectra::new((0..all.len()).map(of).collect(), bins);
+        let inactive = spectra(&|at| through(at) * base.inactive_absorptance[at % bins] * all[at]);
+        let pixel = spectra(&|at| through(at) * (all[at] - rises[at]) - inactive[at]);
+        let diffuser = spectra(&|at| 1.0 - in_diffuse[at] - pixel[at] - inactive[at]);
+        Ledger { returned: in_diffuse, pixel, inactive, diffuser, ..Ledger::zeros(base.states(), bins) }
+    }
+}
+
+impl Film {
+    /// Multiplies columns by the reflectance from below.
+    fn times_reflectance(&self, values: &mut [f64], bins: usize) {
+        let Some(below) = &self.sides[1] else { return values.fill(0.0) };
+        let rows = values.chunks_exact_mut(bins);
+        rows.for_each(|row| row.iter_mut().zip(below.scattered().iter()).for_each(|(value, r)| *value *= r));
+    }
+}
+
+/// Reflectance of the pixel, `[state][wavelength]`.
+fn reflectance(table: &AngularTable, film: &Film, beta: Beta) -> Vec<f64> {
+    let mut out = vec![0.0; table.state_count() * table.common.len()];
+    table.reflectance_towards(beta, &film.medium, &mut out);
+    out
+}
