@@ -336,8 +336,8 @@ fn of_view(view: &View, of_solver: impl Fn(&State) -> &StateValues) -> Vec<(Stri
 /// `map-regions`.
 const ONLY_IN_FULL: [&str; 4] = ["etched-face", "hazy-face", "map", "measured-h78"];
 
-/// Adding refuses a liquid crystal below a scatterer; `papilio_display` compares its paths with an integral.
-const BY_PATHS_ALONE: &str = "mip-lcd-haze";
+/// Adding refuses a colour filter below a film that reflects; `papilio_display` compares filters above liquid crystals without that reflection.
+const BY_PATHS_ALONE: &str = "mip-lcd-colour";
 
 /// Every scenario of the repository through both solvers, at every view: colours, spectra and parts. (Every
 /// day, fewer.) About 3000 numbers: 6.5 of Student's 31 degrees of freedom happens to one of 5 million.

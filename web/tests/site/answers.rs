@@ -102,7 +102,7 @@ fn every_example_and_preset_computes() {
         { "op": "set", "path": "solver.relative_error", "value": 0.01 },
     ]);
     let edits = |name: &str| match name {
-        "hazy-face" | "mip-lcd-haze" => papilio_testing::sized(coarse.clone(), json!([])),
+        "hazy-face" | "mip-lcd-haze" | "mip-lcd-colour" => papilio_testing::sized(coarse.clone(), json!([])),
         _ => json!([]),
     };
     for list in ["examples", "presets"] {
@@ -187,14 +187,15 @@ fn kind_of_each_example_file_is_detected() {
     assert_eq!(broken.status, 422);
 }
 
-/// What adding refuses because it knows no azimuth, before the pixel's table is made: the page offers Monte Carlo.
+/// What adding refuses because it knows no azimuth: the page offers Monte Carlo.
 #[test]
-fn azimuth_below_a_haze_film_is_left_to_monte_carlo() {
+fn azimuth_below_a_film_on_tinted_glass_is_left_to_monte_carlo() {
     let server = Server::start();
     let scenario =
         server.get("/api/v1/examples/mip-lcd-haze").json()["scenario"].as_str().unwrap().to_owned();
-    let by_adding = scenario.replace("[solver]", "[solver]\nmethod = \"adding\"");
-    assert_ne!(by_adding, scenario);
+    let tinted = scenario.replace("[display.glass]", "[display.glass]\ninternal_transmittance = 0.9");
+    let by_adding = tinted.replace("[solver]", "[solver]\nmethod = \"adding\"");
+    assert!(tinted != scenario && by_adding != tinted);
     let answer = server.post("/live", &json!({ "scenario": by_adding }));
     let error = &answer.json()["errors"][0];
     assert_eq!((answer.status, &error["monte_carlo"]), (422, &json!(true)), "{error}");
