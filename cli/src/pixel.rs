@@ -134,6 +134,7 @@ fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<()
     };
     let table = PixelTable {
         theta_deg: scan.theta_deg.clone(),
+        phi_deg: Vec::new(),
         wavelength_nm: scan.wavelength_nm.clone(),
         states: scan.states,
     };

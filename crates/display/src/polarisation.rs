@@ -21,8 +21,8 @@ use papilio_colour::Observer;
 use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, FlatRun, Interface, Layer, PolarisedLight, PolarisedTop as Top, PolarisedView, Source, Stack,
-    WholeView,
+    Base, FlatRun, Interface, Layer, Medium, PolarisedLight, PolarisedTop as Top, PolarisedView, Source,
+    Stack, WholeView,
 };
 
 use crate::DisplayError;
@@ -293,27 +293,31 @@ fn has_coating(scene: &Scene) -> bool {
 /// they meet it.
 pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result<Stack, DisplayError> {
     let weights = weights(scene)?;
+    let for_adding = |stack: Stack| match scene.display.is_flat() {
+        true => with_azimuth(stack),
+        false => stack,
+    };
     if weights.is_none() && (!is_followed(scene) || stack.panel().is_some()) {
-        return Ok(stack);
+        return Ok(for_adding(stack));
     }
     if is_whole(scene) {
         let both = [Polarisation::S, Polarisation::P]
             .map(|polarisation| of_polarisation(scene, stack.layers(), polarisation));
         let [s, p] = both;
         let interfaces = [s?, p?].map(|own| own.into_iter().map(|layer| layer.interface).collect());
-        let between = stack.layers().split_last().map_or(&[][..], |(_, above)| above);
-        let media = between.iter().map(|layer| layer.medium.clone()).collect();
+        let media = media_between(&stack);
         return Ok(stack.with_flat_run(FlatRun::new(interfaces, media)));
     }
     let runs = if weights.is_none() { runs(scene) } else { Vec::new() };
     if weights.is_none() && runs.is_empty() {
-        return Ok(stack);
+        return Ok(for_adding(stack));
     }
     let of_s = of_polarisation(scene, stack.layers(), Polarisation::S)?;
     let of_p = of_polarisation(scene, stack.layers(), Polarisation::P)?;
     Ok(match (weights, pixel) {
         (Some(weights), Some([s, p])) => {
-            stack.with_polarisations([Stack::new(of_s, s), Stack::new(of_p, p)], weights)
+            let both = [Stack::new(of_s, s), Stack::new(of_p, p)].map(for_adding);
+            stack.with_polarisations(both, weights)
         }
         (_, mirrors) => {
             let layers = in_runs(stack.layers(), [&of_s, &of_p], &runs);
@@ -321,6 +325,23 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
             if is_flat_paper(scene) { stack.with_layers_of_each([of_s, of_p]) } else { stack }
         }
     })
+}
+
+/// Returns a stack of flat layers, of mean light or of light of one polarisation, as one run if its pixel depends on azimuth: adding knows azimuths only
+/// in panels.
+fn with_azimuth(stack: Stack) -> Stack {
+    if stack.panel().is_some() || !stack.base().is_azimuthal() {
+        return stack;
+    }
+    let interfaces: Vec<Interface> = stack.layers().iter().map(|layer| layer.interface.clone()).collect();
+    let media = media_between(&stack);
+    stack.with_flat_run(FlatRun::new([interfaces.clone(), interfaces], media))
+}
+
+/// Returns the media of a stack but the last.
+fn media_between(stack: &Stack) -> Vec<Medium> {
+    let between = stack.layers().split_last().map_or(&[][..], |(_, above)| above);
+    between.iter().map(|layer| layer.medium.clone()).collect()
 }
 
 /// Returns the scene for light with its places: s and p are followed through flat layers above paper, and nowhere else.

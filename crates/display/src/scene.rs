@@ -275,6 +275,13 @@ pub enum Pixel {
     Crystal(CrystalPixel),
 }
 
+impl Pixel {
+    /// Returns whether it is a table whose reflectances depend on azimuth.
+    pub fn is_azimuthal_table(&self) -> bool {
+        matches!(self, Self::Table(table) if !table.phi_deg.is_empty())
+    }
+}
+
 /// Anisotropic layers over a substrate, whose reflectance depends on azimuth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrystalPixel {
@@ -351,6 +358,9 @@ pub struct TablePixel {
     pub angles: TableAngles,
     /// Angles, degrees, ascending from 0.
     pub theta_deg: Vec<f64>,
+    /// Azimuths to which light leaves, degrees, ascending in equal steps over half a turn; the reflectance is the same at opposite ones. Empty
+    /// if it does not depend on azimuth.
+    pub phi_deg: Vec<f64>,
     /// The states, in the order of the table.
     pub states: Vec<TableState>,
 }
@@ -369,7 +379,7 @@ pub enum TableAngles {
 pub struct TableState {
     /// Name of the state.
     pub name: String,
-    /// Reflectance spectrum at each angle.
+    /// Reflectance spectrum at each angle, `[theta]` or `[theta][phi]`.
     pub reflectance: Vec<Spectrum>,
 }
 

@@ -281,7 +281,10 @@ impl Setup {
             || apart && self.stack.polarised_bases().is_none() && self.stack.mueller().is_none()
             || !apart && self.stack.polarised_bases().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
-        if scene.grid != last.grid || solver_changed || weights_changed {
+        // Adding has a form of its own for flat layers above a pixel that depends on azimuth.
+        let azimuth_changed =
+            scene.display.pixel.is_azimuthal_table() != last.display.pixel.is_azimuthal_table();
+        if scene.grid != last.grid || solver_changed || weights_changed || azimuth_changed {
             return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
         }
         let index_changed = scene.display.index_above_pixel() != last.display.index_above_pixel();
@@ -453,8 +456,9 @@ pub(crate) fn angle_index(scene: &Scene) -> Result<f64, DisplayError> {
 pub(crate) fn replace_bases(stack: &mut Stack, bases: Bases) {
     stack.set_base(bases.mean);
     stack.set_mueller(bases.mueller);
-    let both = stack.polarised_bases_mut().into_iter().flatten();
-    both.zip(bases.polarised.into_iter().flatten()).for_each(|(one, base)| *one = base);
+    if let Some(both) = bases.polarised {
+        stack.set_polarised_bases(both);
+    }
 }
 
 fn stack(

@@ -162,7 +162,7 @@ pub use picture::{
     LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Transfer, picture_format,
     read_picture, write_indexed_png, write_rgb_png, write_scene_exr,
 };
-pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_table};
+pub use pixel_table::{PIXEL_COLUMNS, PixelTable, is_name, read_pixel_over_half_turn, read_pixel_table};
 pub use polariser::{PolariserTable, read_polariser};
 pub use result::{ResultFile, result_schema, write_reflection, write_spectra, write_states};
 pub use result_read::{ReadResult, read_result, read_result_with};

@@ -27,14 +27,14 @@ pub enum Nodes {
     Cosines(usize),
     /// In panels of different widths; interpolation among all nodes of a panel.
     CosinePanels(CosinePanels),
-    /// As `CosinePanels`, for a pixel that depends on azimuth: each state has this many harmonics of twice the azimuth, as basis
-    /// reflectances in the order 1, cos 2 phi, sin 2 phi, cos 4 phi, ...; the mixtures hold the first of each state, the mean over azimuth.
-    Azimuthal(CosinePanels, usize),
     /// At these angles in the medium, radians, ascending from 0; linear between them, with the last value
     /// beyond the last angle.
     AnglesInMedium(Vec<f64>),
     /// At these angles in air, with the same interpolation.
     AnglesInAir(Vec<f64>),
+    /// At any of the others, for a pixel that depends on azimuth: each state has this many harmonics of twice the azimuth, as basis
+    /// reflectances in the order 1, cos 2 phi, sin 2 phi, cos 4 phi, ...; the mixtures hold the first of each state, the mean over azimuth.
+    Azimuthal(Box<Nodes>, usize),
 }
 
 impl Nodes {
@@ -43,8 +43,9 @@ impl Nodes {
         match self {
             Self::Constant => 1,
             Self::Cosines(nodes) => *nodes,
-            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => panels.count(),
+            Self::CosinePanels(panels) => panels.count(),
             Self::AnglesInMedium(angles) | Self::AnglesInAir(angles) => angles.len(),
+            Self::Azimuthal(nodes, _) => nodes.count(),
         }
     }
 
@@ -58,11 +59,10 @@ impl Nodes {
                 let step = 1.0 / (nodes - 1) as f64;
                 (0..*nodes).step_by(SMOOTH_STEPS).map(|node| of_cosine(node as f64 * step)).collect()
             }
-            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
-                panels.halves().map(of_cosine).collect()
-            }
+            Self::CosinePanels(panels) => panels.halves().map(of_cosine).collect(),
             Self::AnglesInMedium(angles) => angles.iter().map(|angle| index * angle.sin()).collect(),
             Self::AnglesInAir(angles) => angles.iter().map(|angle| angle.sin()).collect(),
+            Self::Azimuthal(nodes, _) => nodes.breaks(index),
         }
     }
 
@@ -75,24 +75,36 @@ impl Nodes {
         match self {
             Self::Constant => 0.0,
             Self::Cosines(nodes) => (cosine(from) - cosine(to)) * (nodes - 1) as f64,
-            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
-                panels.nodes_from(cosine(to), cosine(from))
-            }
+            Self::CosinePanels(panels) => panels.nodes_from(cosine(to), cosine(from)),
             Self::AnglesInMedium(angles) => inside(angles, index),
             Self::AnglesInAir(angles) => inside(angles, 1.0),
+            Self::Azimuthal(nodes, _) => nodes.between([from, to], index),
         }
+    }
+
+    /// Returns the nodes over the inclination alone.
+    pub fn of_inclination(&self) -> &Self {
+        match self {
+            Self::Azimuthal(nodes, _) => nodes,
+            nodes => nodes,
+        }
+    }
+
+    /// Returns whether the table is linear between angles, with kinks there.
+    pub(crate) fn has_kinks(&self) -> bool {
+        matches!(self.of_inclination(), Self::AnglesInMedium(_) | Self::AnglesInAir(_))
     }
 
     /// Returns the weights on the nodes of a look-up at `|beta|^2` in a medium of this index.
     #[inline(always)]
     pub(crate) fn stencil(&self, beta_squared: f64, index: f64) -> Stencil {
-        match self {
-            Self::Constant => Stencil::ONLY_NODE,
+        match self.of_inclination() {
+            Self::Constant | Self::Azimuthal(..) => Stencil::ONLY_NODE,
             Self::Cosines(nodes) => {
                 let cosine = (1.0 - beta_squared / (index * index)).max(0.0).sqrt();
                 Stencil::lagrange(cosine * (nodes - 1) as f64, *nodes)
             }
-            Self::CosinePanels(panels) | Self::Azimuthal(panels, _) => {
+            Self::CosinePanels(panels) => {
                 panels.stencil((1.0 - beta_squared / (index * index)).max(0.0).sqrt())
             }
             Self::AnglesInMedium(angles) => {
@@ -205,7 +217,8 @@ impl AngularTable {
         self.reflectance_mixed(&self.mixture, beta_squared, medium, out);
     }
 
-    /// Computes the same for light that leaves towards `beta`, with its azimuth.
+    /// Computes the same for light that leaves towards `beta`, with its azimuth. Between the azimuths of measured values, harmonics may exceed
+    /// 0 to 1: reflectances never do.
     pub fn reflectance_towards(&self, beta: Beta, medium: &Medium, out: &mut [f64]) {
         let Nodes::Azimuthal(_, harmonics) = self.nodes else {
             return self.reflectance(beta.squared(), medium, out);
@@ -217,6 +230,7 @@ impl AngularTable {
             |k: usize, basis: usize| self.mixture[k - basis % harmonics] * harmonic(basis % harmonics, turn);
         let mixture: Vec<f64> = (0..self.mixture.len()).map(|k| share(k, k % count)).collect();
         self.reflectance_mixed(&mixture, beta.squared(), medium, out);
+        out.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
     }
 
     fn reflectance_mixed(&self, mixture: &[f64], beta_squared: f64, medium: &Medium, out: &mut [f64]) {
@@ -346,8 +360,8 @@ impl AngularTable {
                 common + shares.iter().zip(basis).map(|(share, value)| share * value).sum::<f64>()
             };
             // Cosines ascend towards the normal, angles away from it.
-            let normal = match self.nodes {
-                Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => at(nodes - 1),
+            let normal = match self.nodes.of_inclination() {
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => at(nodes - 1),
                 _ => at(0),
             };
             for (node, sum) in sum.iter_mut().enumerate().filter(|_| normal > 0.0) {
@@ -472,6 +486,38 @@ mod tests {
         assert!((stencil.weights[1] - 0.25).abs() < 1e-12);
         let beyond = nodes.stencil(1.0, 1.5);
         assert_eq!((beyond.first, beyond.weights[0], beyond.weights[1]), (1, 0.0, 1.0));
+    }
+
+    /// Two states over angles in air, with harmonics up to 4 phi: linear between the angles, and never below 0 or above 1.
+    #[test]
+    fn harmonics_of_the_azimuth_are_interpolated_over_angles() {
+        let of = |state: usize, node: usize| [0.5 - 0.3 * state as f64, 0.2 * node as f64, 0.1, 0.0, 0.3];
+        let basis: Vec<f64> = (0..2).flat_map(|node| (0..2).flat_map(move |state| of(state, node))).collect();
+        let own = |k: usize| f64::from(k == 0 || k == 15);
+        let nodes = Nodes::Azimuthal(Box::new(Nodes::AnglesInAir(vec![0.0, 1.0])), 5);
+        let table = AngularTable {
+            nodes,
+            basis: basis.into(),
+            mixture: (0..20).map(own).collect(),
+            common: vec![0.0],
+        };
+        assert!(table.is_azimuthal() && table.state_count() == 2);
+        let medium = Medium::new(vec![1.5].into());
+        for (theta, phi) in [(0.0, 0.3), (0.25, 1.0), (0.8, -2.0), (1.4, 0.7)] {
+            let beta = Beta { x: f64::sin(theta) * f64::cos(phi), y: f64::sin(theta) * f64::sin(phi) };
+            let mut found = [0.0; 2];
+            table.reflectance_towards(beta, &medium, &mut found);
+            for (state, found) in found.iter().enumerate() {
+                let swing = 0.2 * theta.min(1.0) * (2.0 * phi).cos()
+                    + 0.1 * (2.0 * phi).sin()
+                    + 0.3 * (4.0 * phi).sin();
+                let expected = (0.5 - 0.3 * state as f64 + swing).clamp(0.0, 1.0);
+                assert!((found - expected).abs() < 1e-12, "{theta} {phi}: {found} {expected}");
+            }
+            let mut mean = [0.0; 2];
+            table.reflectance(beta.squared(), &medium, &mut mean);
+            assert!((mean[0] - 0.5).abs() < 1e-12 && (mean[1] - 0.2).abs() < 1e-12);
+        }
     }
 
     /// For numbers of wavelengths below and above the number mixed at a time, with and without a remainder.

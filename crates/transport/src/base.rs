@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use papilio_optics::{Beta, with_widest_simd};
 use papilio_spectra::{Spectrum, StateSpectra};
 
-use crate::{AngularTable, Cone, Medium, ScatterKernel};
+use crate::{AngularTable, Cone, Medium, Nodes, ScatterKernel};
 
 /// The reflector below the last medium.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,16 @@ impl Base {
         let ends = [axis - cone.half_angle(), axis + cone.half_angle()];
         let ends = ends.map(|angle| angle.clamp(0.0, FRAC_PI_2).sin());
         let across = |index: f64| table.nodes.between(ends, index);
-        medium.index().iter().copied().map(across).fold(0.0, f64::max)
+        let across = medium.index().iter().copied().map(across).fold(0.0, f64::max);
+        match table.nodes {
+            // A table of one's own has all its harmonics near the normal, where a cone has all azimuths.
+            Nodes::Azimuthal(_, harmonics) if table.nodes.has_kinks() => {
+                let half_angle = cone.half_angle();
+                let turned = if axis > half_angle { half_angle / axis } else { 1.0 };
+                across + if half_angle > 0.0 { 2.0 * harmonics as f64 * turned } else { 0.0 }
+            }
+            _ => across,
+        }
     }
 
     /// Returns the number of wavelengths.

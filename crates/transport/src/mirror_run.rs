@@ -52,7 +52,7 @@ impl MirrorRun {
         };
         let of_each = mirrors.each_ref().map(|mirror| {
             let mut reflectance = vec![0.0; out.len()];
-            mirror.reflectance(beta_squared, below, &mut reflectance);
+            mirror.reflectance_towards(beta, below, &mut reflectance);
             reflectance
         });
         let bins = mirrors[0].bins();

@@ -168,6 +168,15 @@ impl Stack {
         }
     }
 
+    /// Replaces the pixel for light of s and of p, if they are kept apart where they meet it; whether they scatter must not change.
+    pub fn set_polarised_bases(&mut self, bases: [Base; 2]) {
+        if let Some(polarised) = self.polarised.as_deref_mut() {
+            return polarised.both.iter_mut().zip(bases).for_each(|(stack, base)| stack.set_base(base));
+        }
+        let both = self.polarised_bases_mut().into_iter().flatten();
+        both.zip(bases).for_each(|(one, base)| *one = base);
+    }
+
     /// The mirror for s and for p, if they are kept apart by layers below the last scatterer together with it.
     pub(crate) fn mirrors(&self) -> Option<&[Base; 2]> {
         match &self.mirror_run.as_deref()?.mirror {
@@ -190,8 +199,8 @@ impl Stack {
         self.in_runs.as_deref().unwrap_or(self)
     }
 
-    /// Returns the same stack, for light without regard to places as a panel with these flat layers, all of its own, as one run: s and p are kept apart
-    /// above a pixel that changes polarisation.
+    /// Returns the same stack, for light without regard to places as a panel with these flat layers, all of its own, as one run: above a pixel that
+    /// changes polarisation, s and p are kept apart; above any other, their mean is followed.
     #[must_use]
     pub fn with_flat_run(self, run: FlatRun) -> Self {
         let air = Medium::new(vec![1.0; self.base().bins()].into());
@@ -203,7 +212,8 @@ impl Stack {
 
     /// Returns whether *adding* knows the azimuth of light at the pixel, if the pixel depends on it.
     pub fn adding_knows_azimuth(&self) -> bool {
-        self.in_runs().panel().is_some() || !self.base().is_azimuthal()
+        let one = self.polarised().map_or(self, |[s, _]| s);
+        one.in_runs().panel().is_some() || !self.base().is_azimuthal()
     }
 
     /// Sets the pixel for polarised light, with as many states and wavelengths: a pixel that changes polarisation below flat layers. Another pixel in

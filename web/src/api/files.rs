@@ -8,7 +8,8 @@ use papilio_figures::{Chart, ChartCurve, Hue, PixelScan, chart, lobes, pixel_sca
 use papilio_formats::{
     BsdfProblem, DataFile, FormatError, MapColour, MeshFile, Problem, RgbSpace, audit_text, is_height_file,
     is_luminaire, picture_format, read_bsdf, read_heights, read_index_within, read_light_map, read_luminaire,
-    read_measurement, read_mesh, read_picture, read_pixel_table, read_profile, read_spectrum,
+    read_measurement, read_mesh, read_picture, read_pixel_over_half_turn, read_pixel_table, read_profile,
+    read_spectrum,
 };
 use papilio_goniometry::{Audit, MeasuredPart, Measurement};
 use papilio_scenario::{Edit, SurfaceScenario};
@@ -249,12 +250,12 @@ fn map(file: &DataFile) -> Result<Contents, Fault> {
 }
 
 fn pixel(file: &DataFile) -> Result<Contents, Fault> {
-    let table = read_pixel_table(file)?;
+    let table = read_pixel_over_half_turn(file)?.value;
     let states: Vec<String> = table.states.iter().map(|(name, _)| name.clone()).collect();
     let (theta, nm) = (&table.theta_deg, &table.wavelength_nm);
     let ends = |values: &[f64]| [values.first(), values.last()].map(|end| end.copied().unwrap_or_default());
     let ([low, high], [first, last]) = (ends(theta), ends(nm));
-    let words = vec![
+    let mut words = vec![
         format!("{}: pixel table of {} states: {}", file.name, states.len(), states.join(", ")),
         format!(
             "{} angles from {low} to {high} deg, {} wavelengths from {first} to {last} nm",
@@ -262,7 +263,15 @@ fn pixel(file: &DataFile) -> Result<Contents, Fault> {
             nm.len()
         ),
     ];
-    let reflectance: Vec<f64> = table.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
+    let azimuths = table.phi_deg.len();
+    if let Some(step) = (azimuths > 0).then(|| (1800.0 / azimuths as f64).round() / 10.0) {
+        words.push(format!(
+            "{azimuths} azimuths in steps of {step} deg over half a turn; the figure shows the first"
+        ));
+    }
+    let (bins, of_angle) = (nm.len().max(1), azimuths.max(1));
+    let rows = table.states.iter().flat_map(|(_, values)| values.chunks(bins).step_by(of_angle));
+    let reflectance: Vec<f64> = rows.flatten().copied().collect();
     let scan = PixelScan {
         states: &states,
         medium: "the table's medium",

@@ -135,6 +135,7 @@ fn scanned(
     let mut figures = vec![Figure { name: "pixel".to_owned(), svg: pixel_scan(&drawing, title) }];
     let table = PixelTable {
         theta_deg: scan.theta_deg.clone(),
+        phi_deg: Vec::new(),
         wavelength_nm: scan.wavelength_nm.clone(),
         states: scan.states,
     };

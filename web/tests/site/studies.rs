@@ -121,7 +121,8 @@ fn pixel_scan_equals_that_of_the_command_line() {
         Scenario::from_text(&scenario, "s", folder(), &[]).unwrap().resolve_without_light().unwrap();
     let theta_deg: Vec<f64> = (0..=90).map(f64::from).collect();
     let scan = scan_at(&resolved.scene, &theta_deg, 0.0).unwrap();
-    let table = PixelTable { theta_deg, wavelength_nm: scan.wavelength_nm, states: scan.states };
+    let wavelength_nm = scan.wavelength_nm;
+    let table = PixelTable { theta_deg, phi_deg: Vec::new(), wavelength_nm, states: scan.states };
     let mut wanted = Vec::new();
     table.write(&mut wanted).unwrap();
     let tables = found["tables"].as_array().unwrap();

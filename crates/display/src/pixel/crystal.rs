@@ -360,7 +360,8 @@ pub(super) fn base(
         inactive: inactive_reflectance.to_vec(),
     });
     let basis = if seen.polarised { means(&values, count * bins) } else { values };
-    let nodes = if count == 1 { Nodes::CosinePanels(panels) } else { Nodes::Azimuthal(panels, count) };
+    let nodes = Nodes::CosinePanels(panels);
+    let nodes = if count == 1 { nodes } else { Nodes::Azimuthal(Box::new(nodes), count) };
     let own = |state: usize, basis: usize| if basis == state * count { pixel.fill_factor } else { 0.0 };
     let mixture = (0..states).flat_map(|state| (0..states * count).map(move |basis| own(state, basis)));
     let common = inactive_reflectance.to_vec();

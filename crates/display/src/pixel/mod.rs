@@ -5,6 +5,7 @@
 //! table is as dense as an interpolation error of [`TABLE_ERROR`] requires.
 
 mod absorption;
+mod azimuth;
 mod crystal;
 pub(crate) mod film;
 mod table;
@@ -74,7 +75,7 @@ pub fn primaries(pixel: &Pixel) -> Vec<String> {
     film.states.iter().filter(drives_one).map(|state| state.name.clone()).collect()
 }
 
-/// Computes [`scan_at`] azimuth 0, which is any azimuth of all pixels but those with liquid crystals.
+/// Computes [`scan_at`] azimuth 0, which is any azimuth of all pixels but liquid crystals and tables with azimuths.
 ///
 /// # Errors
 /// If the film is invalid, or the pixel scatters.
@@ -128,9 +129,14 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
         let base = base(scene, &mut None, None, (None, None))?;
         let medium = setup::medium(scene);
         let scale = setup::angle_index(scene)?;
+        let (sin, cos) = phi_deg.to_radians().sin_cos();
         for sine in sines {
             let mut out = vec![0.0; count * bins];
-            base.reflectance((scale * sine).powi(2), &medium, &mut out);
+            let beta = papilio_optics::Beta { x: scale * sine * cos, y: scale * sine * sin };
+            match base.is_azimuthal() {
+                true => base.reflectance_towards(beta, &medium, &mut out),
+                false => base.reflectance((scale * sine).powi(2), &medium, &mut out),
+            }
             keep(&out);
         }
     }
@@ -267,10 +273,15 @@ fn table_base(pixel: &TablePixel, bins: usize) -> Base {
         TableAngles::Air => Nodes::AnglesInAir(radians),
         TableAngles::Glass => Nodes::AnglesInMedium(radians),
     };
-    let rows =
-        |angle: usize| pixel.states.iter().flat_map(move |state| state.reflectance[angle].iter().copied());
-    let values = (0..pixel.theta_deg.len()).flat_map(rows).collect();
-    let table = states_as_table(nodes, values, pixel.states.len(), bins);
+    let table = if pixel.phi_deg.is_empty() {
+        let rows = |angle: usize| {
+            pixel.states.iter().flat_map(move |state| state.reflectance[angle].iter().copied())
+        };
+        let values = (0..pixel.theta_deg.len()).flat_map(rows).collect();
+        states_as_table(nodes, values, pixel.states.len(), bins)
+    } else {
+        azimuth::table(pixel, nodes, bins)
+    };
     Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; bins].into() }
 }
 

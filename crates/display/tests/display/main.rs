@@ -42,4 +42,5 @@ mod prepared;
 mod shown;
 mod spread_within;
 mod sub_pixels;
+mod table_azimuths;
 mod viewing_cone;

@@ -8,6 +8,7 @@
 )]
 
 mod arrays;
+mod azimuths;
 mod bsdf;
 mod decoders;
 #[cfg(feature = "svg")]

@@ -304,6 +304,7 @@ fn numbers_of_a_pixel_table_read_back_bit_for_bit() {
     let values: Vec<f64> = (0..12).map(|i| f64::from(i).sqrt() / 7.3).collect();
     let table = PixelTable {
         theta_deg: vec![0.0, 0.1 + 0.2, 90.0],
+        phi_deg: Vec::new(),
         wavelength_nm: vec![380.0, 1e3 / 2.3, 500.0, 780.0],
         states: vec![("a".to_owned(), values)],
     };
@@ -319,8 +320,12 @@ fn pixel_table_with_unusual_names_reads_back() {
         ["#1", "# c", "q\"x\"", "\"", "\"\"", "a, b", "a; b", "it's 5\"", "a\tb", " white ", "white", "0"];
     let states = names.map(|name| (name.to_owned(), vec![0.25, 0.5]));
     let write = |states: &[(String, Vec<f64>)]| {
-        let table =
-            PixelTable { theta_deg: vec![0.0], wavelength_nm: vec![400.0, 500.0], states: states.to_vec() };
+        let table = PixelTable {
+            theta_deg: vec![0.0],
+            phi_deg: Vec::new(),
+            wavelength_nm: vec![400.0, 500.0],
+            states: states.to_vec(),
+        };
         let mut bytes = Vec::new();
         table.write(&mut bytes).unwrap();
         (table, DataFile { name: "t".to_owned(), bytes })

@@ -199,7 +199,8 @@ table! {
 table! {
     /// Complete states (including areas and fill factor) from a table.
     TablePixel {
-        /// A CSV file with the columns state, theta_deg, wavelength_nm, reflectance.
+        /// A CSV file with the columns state, theta_deg, wavelength_nm, reflectance, and phi_deg if the reflectance depends on
+        /// azimuth.
         file: String,
         /// Medium of the angles of the file.
         angles: Word<TableAngles>,

@@ -224,12 +224,14 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
     }
 }
 
-/// Leaves the choice of the solver to the program where a liquid crystal is below a scatterer, and the file has not chosen: adding computes only those
-/// that are the same at all azimuths.
+/// Leaves the choice of the solver to the program where a liquid crystal, or a table with azimuths, is below a scatterer, and the file has not chosen:
+/// adding computes only those that are the same at all azimuths.
 fn choose_method(file: &File, scene: &mut Scene) {
     let solver = &file.solver;
     let is_chosen = ![solver.origin, Origin::FILE].contains(&solver.method.origin);
-    if !is_chosen && matches!(scene.display.pixel, scene::Pixel::Crystal(_)) && !scene.display.is_flat() {
+    let pixel = &scene.display.pixel;
+    let may_turn = matches!(pixel, scene::Pixel::Crystal(_)) || pixel.is_azimuthal_table();
+    if !is_chosen && may_turn && !scene.display.is_flat() {
         scene.solver.method = scene::Method::Auto;
     }
 }

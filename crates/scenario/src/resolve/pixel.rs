@@ -5,7 +5,7 @@ use papilio_display::scene::{
     self, AngleMedium, Lobe, Pixel, Ready, ReflectingDiffuser, Scene, TableAngles, TablePixel, TableState,
     UniformKind, UniformPixel,
 };
-use papilio_formats::read_pixel_table;
+use papilio_formats::read_pixel_over_half_turn;
 use papilio_spectra::Spectrum;
 
 use super::Resolver;
@@ -64,8 +64,9 @@ impl Resolver<'_> {
     }
 
     fn table_pixel(&mut self, pixel: &describe::TablePixel) -> Option<TablePixel> {
-        let table = self.data(&pixel.file, pixel.file.origin, read_pixel_table)?;
-        let size = table.states.len().saturating_mul(table.theta_deg.len()).saturating_mul(self.grid.len());
+        let table = self.data_with_notes(&pixel.file, pixel.file.origin, read_pixel_over_half_turn)?;
+        let directions = table.theta_deg.len().saturating_mul(table.phi_deg.len().max(1));
+        let size = table.states.len().saturating_mul(directions).saturating_mul(self.grid.len());
         self.limit(&pixel.file, "numbers (states x angles x wavelengths)", size, MOST_NUMBERS)?;
         self.limit(&pixel.file, "states", table.states.len(), 256)?;
         let mut states = Vec::with_capacity(table.states.len());
@@ -74,7 +75,8 @@ impl Resolver<'_> {
             let reflectance = self.sampled(&pixel.file, pixel.file.origin, spectra)?;
             states.push(TableState { name: name.clone(), reflectance });
         }
-        Some(TablePixel { angles: pixel.angles.0, theta_deg: table.theta_deg, states })
+        let (angles, theta_deg, phi_deg) = (pixel.angles.0, table.theta_deg, table.phi_deg);
+        Some(TablePixel { angles, theta_deg, phi_deg, states })
     }
 
     /// Checks that the medium above a measured pixel has one index, because its directions are those of that

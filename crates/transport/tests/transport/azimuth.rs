@@ -39,7 +39,7 @@ impl Shape {
         };
         let basis: Vec<f64> = panels.nodes().flat_map(of).collect();
         let table = AngularTable {
-            nodes: Nodes::Azimuthal(panels, 3),
+            nodes: Nodes::Azimuthal(Box::new(Nodes::CosinePanels(panels)), 3),
             basis: basis.into(),
             mixture: vec![1.0, 0.0, 0.0],
             common: vec![0.0],
@@ -164,8 +164,7 @@ fn limits_of_azimuthal_mirrors() {
     let round = Shape { cos: 0.0, sin: 0.0, ..SHAPE };
     let azimuthal = round.base();
     let Reflector::Specular(table) = &azimuthal.reflector else { unreachable!() };
-    let Nodes::Azimuthal(panels, _) = &table.nodes else { unreachable!() };
-    let nodes = Nodes::CosinePanels(panels.clone());
+    let nodes = table.nodes.of_inclination().clone();
     let plain =
         Base { reflector: Reflector::Specular(AngularTable { nodes, ..table.clone() }), ..azimuthal.clone() };
     let layers = || vec![Layer::new(diffuser(0.2, 0.95, 0.1), clear(INDEX))];

@@ -176,7 +176,7 @@ impl Plan {
             let digits = (digits.max(least) - weaker).max(LEAST_DIGITS);
             let terms = match table {
                 Nodes::Constant => 1,
-                Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => {
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
                     let more = (digits - DIGITS_LESS_OF_TERMS).max(0.0) / DIGITS_A_TERM;
                     let swings = if has_three(DIGITS_OF_SECOND_LEVEL) {
                         TERMS_UNDER_STRONG_FRONTS
@@ -186,7 +186,7 @@ impl Plan {
                     1 + (more + swings).ceil() as usize
                 }
                 // Kinks are not smooth enough for interpolation.
-                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => return None,
+                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) | Nodes::Azimuthal(..) => return None,
             };
             (is_directed && is_extrapolated && order <= count).then_some(ExactPlan { digits, terms })
         };
@@ -276,10 +276,10 @@ impl Plan {
             }
             let count = match table {
                 Nodes::Constant => 1,
-                Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => {
+                Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
                     1 + (left / DIGITS_A_TERM + left.min(1.0) * TERMS_OF_SWINGS).ceil() as usize
                 }
-                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => {
+                Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) | Nodes::Azimuthal(..) => {
                     1 + (left / DIGITS_A_KINK).ceil() as usize
                 }
             };

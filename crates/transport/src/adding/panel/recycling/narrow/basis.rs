@@ -153,9 +153,11 @@ const LEAST: usize = 4;
 pub(super) fn for_table(pass: &Pass<'_>, disc: Disc, digits: f64) -> usize {
     let nodes = 0.5 * pass.table.between([0.0, disc.radius(disc.end())], pass.index);
     match pass.table {
-        Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) => (FOR_KINKS + nodes).min(MOST_FOR_TABLE) as usize,
+        Nodes::AnglesInMedium(_) | Nodes::AnglesInAir(_) | Nodes::Azimuthal(..) => {
+            (FOR_KINKS + nodes).min(MOST_FOR_TABLE) as usize
+        }
         Nodes::Constant => 0,
-        Nodes::Cosines(_) | Nodes::CosinePanels(_) | Nodes::Azimuthal(..) => {
+        Nodes::Cosines(_) | Nodes::CosinePanels(_) => {
             nodes.min(FOR_FRINGES + digits / DIGITS_A_NODE) as usize
         }
     }
