@@ -247,7 +247,7 @@ pub(crate) struct Pixel {
     /// Step of the angles in degrees, a divisor of 90 [default: 1, and 15 for --absorption]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: Option<f64>,
-    /// Azimuth from which the pixel is seen, degrees; it matters for liquid crystals
+    /// Azimuth from which the pixel is seen, degrees; it matters for liquid crystals and tables with azimuths
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = azimuth)]
     pub(crate) phi: f64,
     /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure

@@ -503,7 +503,7 @@ mod tests {
         };
         assert!(table.is_azimuthal() && table.state_count() == 2);
         let medium = Medium::new(vec![1.5].into());
-        for (theta, phi) in [(0.0, 0.3), (0.25, 1.0), (0.8, -2.0), (1.4, 0.7)] {
+        for (theta, phi) in [(0.1, 0.3), (0.25, 1.0), (0.8, -2.0), (1.4, 0.7)] {
             let beta = Beta { x: f64::sin(theta) * f64::cos(phi), y: f64::sin(theta) * f64::sin(phi) };
             let mut found = [0.0; 2];
             table.reflectance_towards(beta, &medium, &mut found);

@@ -13,6 +13,7 @@ mod colour_oracle;
 mod colour_table_5_1;
 mod errors_over_seeds;
 mod fit;
+mod flat_chains;
 mod lamps;
 mod materials;
 mod measured;

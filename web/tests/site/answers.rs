@@ -173,6 +173,7 @@ fn kind_of_each_example_file_is_detected() {
         ("synthetic-panel.ies", "luminaire"),
         ("synthetic-room.csv", "profile"),
         ("synthetic-pixel.csv", "pixel"),
+        ("synthetic-azimuths.csv", "pixel"),
         ("synthetic-panel.csv", "panel"),
         ("synthetic-paper-white.bsdf", "bsdf"),
     ];

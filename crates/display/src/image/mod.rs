@@ -223,7 +223,7 @@ pub struct ImageNumbers {
     /// What each step changes; present if it was requested, and the size of the pixels is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub losses: Option<Losses>,
-    /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the layers, and below a colour filter.
+    /// Sharpness of the white of the display; null without [display.matrix] and the thickness of the layers, below a colour filter, and of a table that depends on azimuth.
     pub sharpness: Option<Sharpness>,
     /// Whether the light that layers return from each pixel to its neighbours is computed.
     pub neighbours_light: bool,

@@ -100,7 +100,7 @@ fn largest_error<'a>(states: impl Iterator<Item = &'a MtfState>) -> f64 {
 }
 
 /// Computes the square-root integrals of the white of a display with a matrix in its only view. `None` where
-/// the deterministic solver does not know them: without thickness, or below a colour filter.
+/// the deterministic solver does not know them: without thickness, below a colour filter, or of a pixel that depends on azimuth.
 ///
 /// # Errors
 /// If the computation was stopped.
@@ -126,6 +126,7 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
     match measured {
         Err(
             DisplayError::MissingLength { .. }
+            | DisplayError::Azimuth { .. }
             | DisplayError::PlacesNotComputed { .. }
             | DisplayError::PlacesByPaths { .. },
         ) => Ok(None),

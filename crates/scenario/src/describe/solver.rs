@@ -13,7 +13,7 @@ use crate::word::Word;
 table! {
     /// The solver, its accuracy and its approximations.
     Solver {
-        /// Solver; by default `auto` for a liquid crystal below a scatterer.
+        /// Solver; by default `auto` for a liquid crystal, or a table with azimuths, below a scatterer.
         method: Word<Method> = Word(Method::Adding),
         /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte
         /// Carlo, the discretisation error for adding. Default: `0.001`.

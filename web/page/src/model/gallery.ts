@@ -17,7 +17,7 @@ export const GROUPS: readonly Group[] = [
   { name: "Which face, which glass?", icon: "face", examples: ["antiglare", "etched-face", "rough-glass", "cover-glass", "hazy-face", "two-diffusers", "slab", "ward", "reflecting-diffuser"] },
   { name: "How sharp, how many pixels?", icon: "grid", examples: ["matrix", "laminate-thickness"] },
   { name: "Which design is best?", icon: "search", examples: ["optimize", "optimize-front", "optimize-sun", "sweep", "tolerance", "fit"] },
-  { name: "Measured samples and data of one's own", icon: "meter", examples: ["measured-h65", "measured-h78", "measured-bare", "measured-diffused", "measured-truth", "etched-grades", "clear-glass", "polished-metals", "ptfe", "spectralon", "microspheres", "own-files", "own-material", "virtual-instrument"] },
+  { name: "Measured samples and data of one's own", icon: "meter", examples: ["measured-h65", "measured-h78", "measured-bare", "measured-diffused", "measured-truth", "etched-grades", "clear-glass", "polished-metals", "ptfe", "spectralon", "microspheres", "own-files", "own-material", "azimuth-pixel", "virtual-instrument"] },
   { name: "Which solver, how exactly?", icon: "sheet", examples: ["auto", "sampling", "single-pass", "target"] },
 ];
 
