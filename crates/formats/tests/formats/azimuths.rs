@@ -112,7 +112,8 @@ fn opposite_azimuths_are_averaged_or_refused() {
     );
     assert!((averaged.value.states[0].1[14] - wave(30.0) - 0.01).abs() < 1e-5);
     let said = wrong(&apart(0.08));
-    let part = "state `white` at 60 deg and 400 nm has reflectances from 0.58794 to 0.66794 at opposite azimuths";
+    let part =
+        "state `white` at 60 deg and 400 nm has reflectances from 0.58794 to 0.66794 at opposite azimuths";
     assert!(said.contains(part), "{said}");
     let normal = |r: f64| {
         table(&[0.0, 60.0, 120.0, 150.0, 30.0, 90.0], wave).replacen(

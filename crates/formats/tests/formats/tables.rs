@@ -249,7 +249,7 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
         (PROFILE, "theta (gon),radiance", "`gon`", (1, 1)),
         (PROFILE, "theta_deg,candela", "`candela`", (1, 11)),
         (DENSITY, "frequency_per_um,rms", "`rms`", (1, 18)),
-        (PIXEL, "state,theta_deg,wavelength_nm,reflectance,phi", "an azimuth", (1, 43)),
+        (PIXEL, "state,theta_deg,wavelength_nm,reflectance,phi_i", "the azimuth of the light", (1, 43)),
         (PIXEL, "state,theta_deg,wavelength_nm,absorbance", "absorbance", (1, 31)),
         (WINDOWS, "name,x0,y0,width,height", "`width`", (1, 12)),
         (PANEL, "state,theta_deg,wavelength_nm,reflektance", "`reflektance`", (1, 31)),
