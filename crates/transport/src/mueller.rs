@@ -263,6 +263,15 @@ impl Above {
         Self { p, s, crossed: run.crossed(&at).over(Crossed::of_both(passes, 1.0)) }
     }
 
+    /// Returns the mean over s and p of flat layers in air, without what is crossed.
+    pub(crate) fn mean_of_run(run: &FlatRun, below: &Medium, beta_squared: f64, bin: usize) -> Flat {
+        let indices = [1.0, below.index()[bin]];
+        let at = Incidence { bin, indices, beta: beta_squared.sqrt(), beta_squared };
+        let passes = below.regular(&Incidence::between([below; 2], bin, beta_squared));
+        let [s, p] = run.of_each(&at).map(|flat| flat.over(passes));
+        Flat::mean([p, s])
+    }
+
     /// Returns the mean over s and p.
     pub(crate) fn mean(&self) -> Flat {
         Flat::mean([self.p, self.s])

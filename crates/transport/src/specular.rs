@@ -4,7 +4,7 @@ use papilio_optics::Beta;
 use papilio_spectra::StateSpectra;
 
 use crate::front::Flat;
-use crate::layers::fresnel_of;
+use crate::layers::{LayerKind, fresnel_of};
 use crate::light::images::{Mirror, image_points};
 use crate::mueller::{Above, Orders};
 use crate::skeleton::{Ray, Skeleton};
@@ -167,8 +167,11 @@ impl FlatTop {
     /// Of a pixel that changes polarisation, see [`Orders::set`].
     pub(crate) fn set(&mut self, stack: &Panel, beta_squared: f64) {
         if let Some(run) = &stack.run {
+            let of = |bin| Above::mean_of_run(run, &stack.medium, beta_squared, bin);
+            let is_clear = stack.medium.transmittance().is_none() && stack.medium.constant_index().is_some();
+            let always = (is_clear && run.is_colourless()).then(|| of(0));
             for bin in 0..self.t.len() {
-                let both = Above::of_run(run, 1.0, &stack.medium, beta_squared, bin).mean();
+                let both = always.unwrap_or_else(|| of(bin));
                 (self.t[bin], self.above[bin], self.below[bin]) = (both.t, both.above, both.below);
             }
             return;

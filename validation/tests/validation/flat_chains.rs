@@ -53,7 +53,13 @@ fn reference_pixel_below_panes_is_the_mean_of_sums_of_s_and_p() {
         let layers: String =
             media.map(|index| format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\n")).collect();
         let text = format!("{toml}{layers}");
-        let set = ["solver.angle_medium=air", "spectrum.step_nm=10", "viewer.theta_deg=[45,60,70]", more];
+        let set = [
+            "solver.angle_medium=air",
+            "spectrum.step_nm=10",
+            "viewer.theta_deg=[45,60,70]",
+            "viewer.field_deg=0",
+            more,
+        ];
         let set: Vec<String> = set.iter().map(|one| (*one).to_owned()).collect();
         let scene =
             Scenario::from_text(&text, "panes.toml", Path::new(""), &set).unwrap().resolve().unwrap().scene;
