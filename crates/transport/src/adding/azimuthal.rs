@@ -31,7 +31,7 @@ use crate::light::cone_points::{Nodes as ConeNodes, Point, cone_points_of, disc_
 use crate::light::images::{ImagePoints, Mirror, image_points};
 use crate::light::rings::{Peaks, Ring, rings};
 use crate::numerics::product::add_product;
-use crate::numerics::quadrature::{Node, radial};
+use crate::numerics::quadrature::{Node, Pole, radial};
 use crate::specular::layered_image;
 use crate::{
     AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Ledger, Medium, Nodes, ReflectanceFactor,
@@ -168,7 +168,7 @@ pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Opti
     let digits = digits(SECOND_LEVEL);
     let [views, sources] = [film.views(views, digits), film.points_of(sources, views, digits)];
     let lit = (sources.len() + 2) as f64;
-    let all = radii(views.iter().chain(&sources));
+    let all = film.radii(views.iter().chain(&sources));
     let grid = film.grid_of(table, &all, digits);
     let points: usize = sources.iter().map(Vec::len).sum();
     // Regular light of each point is sent back to all directions.
@@ -178,7 +178,7 @@ pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Opti
     }
     let first = grid.len() as f64 * (views.len() as f64 * lit + points as f64) * DIRECTION;
     let Some(lobe) = film.lobe_back() else { return Some(first) };
-    let (grid, orders) = film.grid_back(lobe, &all, digits);
+    let (grid, orders) = film.grid_back(table, lobe, &all, digits);
     let columns = stack.base().states() * stack.base().bins();
     let numbers = grid.len() * columns * (sources.len() + 2) + grid.rings.len().pow(2) * orders;
     // About five orders.
@@ -247,6 +247,15 @@ impl Film {
         sources.iter().map(points).collect()
     }
 
+    /// Radii of points, without those that are equal to a lobe.
+    fn radii<'a>(&self, points: impl Iterator<Item = &'a Vec<Point>>) -> Vec<f64> {
+        let same = 0.1 * self.width();
+        let mut radii: Vec<f64> = points.flatten().map(|point| point.beta.length()).collect();
+        radii.sort_unstable_by(f64::total_cmp);
+        radii.dedup_by(|a, b| (*a - *b).abs() < same);
+        radii
+    }
+
     /// The lobe of light that is sent back down.
     fn lobe_back(&self) -> Option<Lobe> {
         match self.sides[1].as_ref()?.lobe() {
@@ -313,9 +322,13 @@ impl Film {
         }
     }
 
-    /// The grid of light between points of these radii, and the number of azimuths that `more` harmonics take.
-    fn grid(&self, lobes: &[Lobe], radii: &[f64], breaks: Vec<f64>, (digits, more): (f64, usize)) -> Grid {
-        let (mut sharp, mut breaks) = (Vec::new(), breaks);
+    /// The grid of light between points of these radii, with as many azimuths as `more` harmonics take, too.
+    fn grid(&self, lobes: &[Lobe], radii: &[f64], nodes: &Nodes, (digits, more): (f64, usize)) -> Grid {
+        let (mut sharp, mut breaks) = (Vec::new(), nodes.breaks(self.index));
+        if matches!(nodes.of_inclination(), Nodes::AnglesInAir(_)) {
+            // The angle in air has a square root on the rim.
+            sharp.push(Pole { at: 1.0, off: 0.0 });
+        }
         for lobe in lobes {
             radii.iter().for_each(|radius| poles(*lobe, *radius, &mut sharp));
             poles(*lobe, 1.0, &mut sharp);
@@ -331,28 +344,20 @@ impl Film {
 
     /// The grid of the first order.
     fn grid_of(&self, table: &AngularTable, radii: &[f64], digits: f64) -> Grid {
-        let breaks = table.nodes.breaks(self.index);
-        self.grid(&[self.diffuser.lobe], radii, breaks, (digits, table.harmonics()))
+        self.grid(&[self.diffuser.lobe], radii, &table.nodes, (digits, table.harmonics()))
     }
 
     /// The grid of further orders, with their number of azimuthal orders.
-    fn grid_back(&self, lobe: Lobe, radii: &[f64], digits: f64) -> (Grid, usize) {
+    fn grid_back(&self, table: &AngularTable, lobe: Lobe, radii: &[f64], digits: f64) -> (Grid, usize) {
         let digits = (digits - FEWER_DIGITS).max(DIGITS[2]);
-        let grid = self.grid(&[self.diffuser.lobe, lobe], radii, Vec::new(), (digits, 8));
+        let lobes = [self.diffuser.lobe, lobe];
+        let grid = self.grid(&lobes, radii, &Nodes::Constant, (digits, table.harmonics()));
         let orders = match lobe {
             Lobe::KCorrelation { .. } => grid.azimuths / 2,
             Lobe::Lambertian => 1,
         };
         (grid, orders)
     }
-}
-
-/// Radii of points, without those that are nearly equal.
-fn radii<'a>(points: impl Iterator<Item = &'a Vec<Point>>) -> Vec<f64> {
-    let mut radii: Vec<f64> = points.flatten().map(|point| point.beta.length()).collect();
-    radii.sort_unstable_by(f64::total_cmp);
-    radii.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
-    radii
 }
 
 impl Grid {
@@ -398,8 +403,8 @@ impl Grid {
 }
 
 impl Back {
-    fn new(film: &Film, lobe: Lobe, radii: &[f64], digits: f64) -> Self {
-        let (grid, count) = film.grid_back(lobe, radii, digits);
+    fn new(film: &Film, table: &AngularTable, lobe: Lobe, radii: &[f64], digits: f64) -> Self {
+        let (grid, count) = film.grid_back(table, lobe, radii, digits);
         let rings = grid.rings.len();
         let mut orders = vec![vec![0.0; rings * rings]; count];
         for (to, ring) in grid.rings.iter().enumerate() {
@@ -491,10 +496,10 @@ impl Kernel {
         let directed = film.points_of(sources, views, digits);
         let mirror = |view: &Cone| Mirror::Across(stack.base().nodes_across(view, &film.medium));
         self.images = views.iter().map(|view| image_points(view, sources, digits, mirror(view))).collect();
-        let all = radii(self.views.iter().chain(&directed));
+        let all = film.radii(self.views.iter().chain(&directed));
         self.grid = film.grid_of(table, &all, digits);
         self.waves = table.waves(self.grid.azimuths);
-        self.back = film.lobe_back().map(|lobe| Back::new(&film, lobe, &all, digits));
+        self.back = film.lobe_back().map(|lobe| Back::new(&film, table, lobe, &all, digits));
         let light =
             |points: Vec<Point>| if points.is_empty() { Light::Diffuse } else { Light::Points(points) };
         self.sources = directed.into_iter().map(light).chain([Light::Diffuse]).collect();
