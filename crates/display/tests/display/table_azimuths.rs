@@ -223,17 +223,17 @@ fn image_of_a_lamp_and_map_are_those_of_the_azimuth() {
 
 const HAZE: &str = "{ kind = \"diffuser\", model = \"k-correlation\", width = 0.06, transmittance = 0.9 }";
 
-/// A haze film on the glass, and over a gap above it: an integral over directions. The lobe's fraction within r is `1 - (1 + (r/b)^2)^(-1/2)`.
+/// A haze film on the glass, by both solvers, and over a gap above it, by Monte Carlo: an integral over directions. The lobe's fraction within r is `1 - (1 + (r/b)^2)^(-1/2)`.
 /// Between film and pixel, s and p are kept apart.
 #[test]
 fn haze_film_above_the_table_is_an_integral_over_directions() {
     let (steps, lobe) = ([sized(400, 2000), sized(48, 96)], Lobe::KCorrelation { width: 0.06 });
     let set = ["viewer.theta_deg=[0,40]", "viewer.phi_deg=35", "solver.relative_error=0.002"];
-    for (layers, indices) in [(FACE, &[][..]), (COVER, &[1.0, 1.5])] {
+    let all = [(FACE, &[][..], "adding"), (FACE, &[], "monte-carlo"), (COVER, &[1.0, 1.5], "monte-carlo")];
+    for (layers, indices, method) in all {
         let layers = layers.replace("{ kind = \"medium\", index = 1.52 }, ", "");
-        let scene = display(&format!("{HAZE}, {layers}"), &set);
-        let result = run(&scene).unwrap();
-        assert_eq!(result.solver.method, "monte-carlo");
+        let method = format!("solver.method={method}");
+        let scene = display(&format!("{HAZE}, {layers}"), &[&set[..], &[&*method]].concat());
         let found = spectra(&scene);
         for ((theta_deg, phi_deg), found) in scene.viewer.directions().zip(&found) {
             let (length, phi) = (theta_deg.to_radians().sin(), phi_deg.to_radians());
@@ -348,9 +348,10 @@ fn computations_without_azimuth_are_refused() {
         let found = papilio_display::brdf(&display(layers, &[]), grid.clone(), &control);
         assert!(matches!(found, Err(DisplayError::Azimuth { key: "display.pixel", .. })), "{layers}");
     }
-    let adding = run(&display(&hazy, &["solver.method=adding"]));
+    let twice = format!("{HAZE}, {{ kind = \"medium\", index = 1.5 }}, {hazy}");
+    let adding = run(&display(&twice, &["solver.method=adding"]));
     assert!(matches!(adding, Err(DisplayError::Azimuth { key: "solver.method", .. })), "{adding:?}");
-    let map = papilio_display::cone(&display(&hazy, &[]), ConeGrid::default(), &control);
+    let map = papilio_display::cone(&display(&twice, &[]), ConeGrid::default(), &control);
     assert!(matches!(map, Err(DisplayError::Azimuth { .. })), "{map:?}");
     let filter = [
         "display.matrix={ pitch_um = 100, layout = \"stripe\" }",

@@ -225,7 +225,7 @@ fn grid(file: &File, errors: &mut Errors) -> Option<Grid> {
 }
 
 /// Leaves the choice of the solver to the program where a liquid crystal, or a table with azimuths, is below a scatterer, and the file has not chosen:
-/// adding computes only those that are the same at all azimuths.
+/// of those that depend on azimuth, adding computes some.
 fn choose_method(file: &File, scene: &mut Scene) {
     let solver = &file.solver;
     let is_chosen = ![solver.origin, Origin::FILE].contains(&solver.method.origin);
