@@ -256,6 +256,11 @@ impl Points {
         if phi_deg.is_empty() {
             phi_deg = axis(self.points.iter().map(|p| p.phi_deg));
         }
+        // In a complete table, other inclinations have at least as many rows.
+        let repeated = self.points.iter().filter(|point| is_repeated(point)).count();
+        if repeated.saturating_mul(phi_deg.len()) > self.points.len() {
+            return phi_deg;
+        }
         let points = std::mem::take(&mut self.points).into_iter();
         self.points = points
             .flat_map(|point| {

@@ -10,6 +10,9 @@ use super::PixelTable;
 /// Largest distance from equal steps, degrees: that of azimuths with one decimal.
 const ROUNDING_DEG: f64 = 0.06;
 
+/// Largest number of azimuths over half a turn.
+const MOST_AZIMUTHS: usize = 360;
+
 /// Differences between opposite azimuths that give a note.
 const NOTED: f64 = 1e-4;
 
@@ -43,13 +46,24 @@ impl Grid {
                 .expected("azimuths in equal steps over 180 deg, or no column of azimuth")
                 .hint("without the column, the reflectance is the same at all azimuths"));
         }
+        if count > MOST_AZIMUTHS {
+            let wrong = format!("this table has {count} azimuths over half a turn");
+            return Err(Diagnostic::new(wrong)
+                .expected(format!(
+                    "at most {MOST_AZIMUTHS}: steps of {} deg or more",
+                    180.0 / MOST_AZIMUTHS as f64
+                ))
+                .hint("keep every second azimuth, or fewer: harmonics interpolate between them"));
+        }
         let step = 180.0 / count as f64;
         let first = folded[0] % step;
         let steps: Vec<f64> = folded.iter().map(|folded| (folded - first) / step).collect();
         let places: Vec<usize> =
             steps.iter().map(|at| (at.round() as i64).rem_euclid(count as i64) as usize).collect();
+        let mut is_known = vec![false; count];
+        places.iter().for_each(|place| is_known[*place] = true);
         let are_equal = steps.iter().all(|at| (at - at.round()).abs() * step <= ROUNDING_DEG);
-        if !are_equal || !(0..count).all(|place| places.contains(&place)) {
+        if !are_equal || !is_known.iter().all(|known| *known) {
             let listed =
                 sorted.iter().take(6).map(|phi| round(*phi, 2).to_string()).collect::<Vec<_>>().join(", ");
             let more = if sorted.len() > 6 { ", ..." } else { "" };

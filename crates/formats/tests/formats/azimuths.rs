@@ -186,7 +186,14 @@ fn malformed_azimuths_are_errors_with_their_place() {
     for phi in [vec![30.0], vec![30.0, 210.0]] {
         assert!(wrong(&table(&phi, wave)).contains("one azimuth only"), "{phi:?}");
     }
-    // No other table has this column by accident.
+    let said = wrong(&table(&steps(0.0, 0.25, 720), wave));
+    assert!(said.contains("720 azimuths over half a turn") && said.contains("at most 360"), "{said}");
+    // Many azimuths that few rows have, and many wavelengths along the normal.
+    let sparse: String =
+        (0..3000).map(|k| format!("white,0,0,{},0.3\nwhite,60,0.{k:04},400,0.3\n", 400 + k)).collect();
+    let said = wrong(&format!("{HEAD}\n{sparse}"));
+    assert!(said.contains("state `white` has no row for 0 deg, azimuth 0.0001 deg and 400 nm"), "{said}");
+    // A row that is too short.
     let short = good.replace("white,60,0,400,0.55321", "white,60,0,400");
     assert_ne!(short, good);
     assert!(wrong(&short).contains("five columns"), "{}", wrong(&short));
