@@ -6,6 +6,7 @@ use papilio_diagnostics::{Diagnostic, Place};
 use papilio_spectra::SpectraError;
 
 use crate::bsdf::BsdfProblem;
+use crate::picture::a_file;
 
 /// Error of a data file: what is wrong, and where.
 ///
@@ -49,6 +50,11 @@ pub enum Problem {
     },
     /// The bytes are not UTF-8.
     NotUtf8,
+    /// A picture in place of a text.
+    Picture {
+        /// Format of the picture.
+        format: &'static str,
+    },
     /// The bytes are no text in any supported encoding.
     NotText,
     /// A header without a required column.
@@ -168,6 +174,9 @@ impl Problem {
                 .hint("remove unnecessary data: use fewer rows, a coarser grid or a smaller picture"),
             Self::NotUtf8 => {
                 Diagnostic::new("this file is not text in UTF-8").hint("save it as plain text in UTF-8")
+            }
+            Self::Picture { format } => {
+                Diagnostic::new(format!("this is a picture, {}", a_file(format))).expected("a text in UTF-8")
             }
             Self::NotText => Diagnostic::new("this file is not text")
                 .expected("text in UTF-8, UTF-16 or Latin-1")

@@ -4,10 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 
 use crate::error::{FormatError, Problem};
 use crate::inputs::check_output;
+use crate::picture::picture_for_text;
 use crate::temporary::{Temporary, remove_abandoned_once};
 
 /// Largest size of an input file, bytes; files of measured scattering have a limit of their own.
@@ -41,7 +42,8 @@ impl DataFile {
         // The type is checked before the file is opened, because opening a pipe waits for its other end.
         let kind = fs::metadata(path).map_err(unreadable)?;
         if !kind.is_file() {
-            return Err(error(Problem::Unreadable { reason: "it is not a regular file".to_owned() }));
+            let reason = if kind.is_dir() { "it is a folder" } else { "it is not a regular file" };
+            return Err(error(Problem::Unreadable { reason: reason.to_owned() }));
         }
         let file = File::open(path).map_err(unreadable)?;
         let mut bytes = Vec::new();
@@ -55,16 +57,31 @@ impl DataFile {
     /// Returns the content as text, without a byte order mark.
     ///
     /// # Errors
-    /// If the content is not UTF-8; the error has the place of the first invalid byte.
+    /// If the content is not UTF-8; the error of a text has the place of the first invalid byte.
     pub fn text(&self) -> Result<&str, FormatError> {
         let bytes = self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&self.bytes);
         std::str::from_utf8(bytes).map_err(|e| {
+            if let Some(format) = picture_for_text(bytes) {
+                return FormatError::whole(&self.name, Problem::Picture { format });
+            }
+            if is_binary(bytes) {
+                return FormatError::whole(&self.name, Problem::NotUtf8);
+            }
             let text = String::from_utf8_lossy(bytes);
             // Up to the first invalid byte, `text` and the file are equal.
             let at = e.valid_up_to();
             FormatError { place: Place::in_text(&self.name, &text, at..at + 1), problem: Problem::NotUtf8 }
         })
     }
+}
+
+/// Bytes at the beginning of a file that show whether it is a text.
+const HEAD: usize = 4096;
+
+/// Whether a file has control characters that no text has: a line of it would not help.
+fn is_binary(bytes: &[u8]) -> bool {
+    let is_of_text = |byte: &u8| *byte >= b' ' || byte.is_ascii_whitespace() || *byte == b'\x1b';
+    !bytes.iter().take(HEAD).all(is_of_text)
 }
 
 /// Writes a file completely or not at all: first under a temporary name in the same folder, which is then
@@ -83,6 +100,14 @@ pub fn write_file(
 
 /// The error of a file, or of a folder, that the system cannot write.
 pub fn unwritable(path: &Path, error: &io::Error) -> FormatError {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+    if let (io::ErrorKind::NotFound, Some(folder)) = (error.kind(), folder) {
+        let wrong = Diagnostic::new(format!("the folder {} does not exist", folder.display()));
+        return FormatError::whole(
+            &path.display().to_string(),
+            wrong.hint("create it, or choose another folder"),
+        );
+    }
     let problem = Problem::Unwritable { reason: io_message(error) };
     FormatError::whole(&path.display().to_string(), problem)
 }
@@ -209,7 +234,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = DataFile::open(&folder.path().join("none"), "none").unwrap_err();
         assert_eq!(missing.problem, Problem::Unreadable { reason: "there is no such file".to_owned() });
-        assert!(DataFile::open(folder.path(), "folder").is_err());
+        let opened = DataFile::open(folder.path(), "folder").unwrap_err();
+        assert_eq!(opened.problem, Problem::Unreadable { reason: "it is a folder".to_owned() });
+        let written = write_file(&folder.path().join("none/a.csv"), |_| Ok(())).unwrap_err().to_string();
+        assert!(written.contains("none does not exist") && written.contains("create it"), "{written}");
     }
 
     #[cfg(unix)]
@@ -229,5 +257,24 @@ mod tests {
         assert_eq!((error.place.line_column(), error.problem), (Some((2, 3)), Problem::NotUtf8));
         let marked = DataFile { name: "x".to_owned(), bytes: b"\xEF\xBB\xBF1".to_vec() };
         assert_eq!(marked.text().unwrap(), "1");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_an_error_without_a_line() {
+        let error = |bytes: &[u8]| {
+            let file = DataFile { name: "x".to_owned(), bytes: bytes.to_vec() };
+            file.text().unwrap_err()
+        };
+        for (bytes, format) in [
+            (&b"\x89PNG\r\n\x1a\n\0\0"[..], "PNG"),
+            (b"\xff\xd8\xff\xe0", "JPEG"),
+            (b"\x76\x2f\x31\x01\xff", "OpenEXR"),
+            (b"#?RADIANCE\n\xff", "Radiance"),
+        ] {
+            assert_eq!(error(bytes), FormatError::whole("x", Problem::Picture { format }));
+        }
+        for bytes in [&b"%PDF-1.7\n\x00\xff"[..], b"\x1f\x8b\x08\x00\xff", b"\xff\xfe[\0d\0"] {
+            assert_eq!(error(bytes), FormatError::whole("x", Problem::NotUtf8));
+        }
     }
 }

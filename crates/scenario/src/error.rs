@@ -1,9 +1,10 @@
 //! Errors with their places: collected, sorted and printed.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::{Diagnostic, Place};
-use papilio_formats::FormatError;
+use papilio_diagnostics::{Diagnostic, Place, nearest};
+use papilio_formats::{FormatError, Problem};
 
 use crate::mistake::{Mistake, MistakeKind};
 use crate::origin::Origin;
@@ -111,12 +112,6 @@ impl ScenarioError {
             (MistakeKind::Unreadable, Some(_), _) => Some(
                 self.diagnostic.hint.as_deref().unwrap_or("paths in a scenario are relative to its folder"),
             ),
-            (MistakeKind::Unreadable, None, _) => Some(
-                self.diagnostic
-                    .hint
-                    .as_deref()
-                    .unwrap_or("give the path of a scenario, for example scenarios/indoor.toml"),
-            ),
             // The user did not write this number: it was drawn, or is the rest of a sum.
             (MistakeKind::OutOfRange, _, Some(_)) => None,
             _ => self.diagnostic.hint.as_deref(),
@@ -124,9 +119,62 @@ impl ScenarioError {
     }
 }
 
+impl ScenarioError {
+    /// The error of a scenario, or of a surface, that cannot be read; `example` is the path of one.
+    pub(crate) fn unread(path: &Path, error: FormatError, example: &str) -> Self {
+        let mut unread = Self::from(error);
+        if unread.kind == MistakeKind::Unreadable {
+            let hint = match near_file(path) {
+                Some(near) => format!("did you mean `{}`?", near.display()),
+                None => format!("give the path of a {example}"),
+            };
+            unread.diagnostic.hint.get_or_insert(hint);
+        }
+        unread
+    }
+}
+
+/// What is said of a missing scenario, and of a missing surface.
+pub(crate) const EXAMPLE_SCENARIO: &str = "scenario, for example scenarios/indoor.toml";
+pub(crate) const EXAMPLE_SURFACE: &str = "surface, for example surfaces/hemispheres.toml";
+
+/// Largest number of names of a folder that are compared.
+const MOST_NAMES: usize = 10_000;
+
+/// The scenario in the folder of a missing file whose name is nearest to that of the file.
+fn near_file(path: &Path) -> Option<PathBuf> {
+    if path.exists() {
+        return None;
+    }
+    let folder = path.parent()?;
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut names: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
+    names.sort();
+    // Without the ending, which all have.
+    let bare = |name: &'_ str| name.strip_suffix(".toml").unwrap_or(name).to_owned();
+    let wrong = bare(path.file_name()?.to_str()?);
+    let known: Vec<String> = names.iter().map(|name| bare(name)).collect();
+    let near = match known.contains(&wrong) {
+        true => wrong,
+        false => nearest(&wrong, known.iter().map(String::as_str))?.to_owned(),
+    };
+    Some(folder.join(format!("{near}.toml")))
+}
+
 impl From<FormatError> for ScenarioError {
     fn from(error: FormatError) -> Self {
-        Self::new(error.place, error.problem)
+        let shown = match &error.problem {
+            Problem::Picture { .. } => Some(format!(
+                "a scenario (TOML) comes first, as in `papilio image SCENARIO PICTURE`; `papilio image {} --on six-ink` needs none",
+                error.place.name
+            )),
+            _ => None,
+        };
+        let mut new = Self::new(error.place, error.problem);
+        new.diagnostic.hint = shown.or(new.diagnostic.hint);
+        new
     }
 }
 

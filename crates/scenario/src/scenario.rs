@@ -8,13 +8,13 @@ use papilio_display::DisplayError;
 use papilio_display::image::SourceImage;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{Antiglare, Patterns};
-use papilio_formats::DataFile;
+use papilio_formats::{DataFile, FormatError, LARGEST_PICTURE_FILE, Problem, picture_format};
 use serde_json::{Map, Value, json};
 
 use crate::browse::illuminant_sheet;
 use crate::describe::File;
 use crate::describe::image::DecidedFor;
-use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::error::{EXAMPLE_SCENARIO, Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
 use crate::path::KeyPath;
@@ -84,7 +84,8 @@ impl Scenario {
     /// All mistakes in its bytes, its TOML, its keys and their types and ranges, each with its place.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
         let name = path.display().to_string();
-        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let unread = |error| ScenarioError::unread(path, error, EXAMPLE_SCENARIO);
+        let file = DataFile::open(path, &name).map_err(unread)?;
         let text = file.text().map_err(ScenarioError::from)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let sources = parse(text, &name, overrides)?.in_folder(folder);
@@ -451,8 +452,7 @@ impl Resolved {
 /// Parses a text, and returns it together with the texts of `--set`.
 pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sources, ScenarioErrors> {
     if text.len() > LONGEST_TEXT {
-        let problem =
-            papilio_formats::Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
+        let problem = Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
         return Err(ScenarioError::about_file(name, problem).into());
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -498,6 +498,9 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Complete
     let mut notes = renamed::notes(&old);
     notes.extend(replaced_rectangles(sources.document(), &root));
     Ok(CompleteTree { root, warnings, notes })
+    if let Some(format) = picture_format(text.as_bytes()).filter(|format| *format == "SVG") {
+        return Err(ScenarioError::from(FormatError::whole(name, Problem::Picture { format })).into());
+    }
 }
 
 /// Note that a layout of `--set` replaces the rectangles of the file, which are described by no other key.

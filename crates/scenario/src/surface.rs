@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use crate::describe::microgeometry::{CapLattice, FaceCoating, MapPeriod, Microgeometry, Road, SurfaceFile};
 use crate::describe::numbers::{AzimuthStep, Inclination, Wavelength};
-use crate::error::{Errors, ScenarioError, ScenarioErrors};
+use crate::error::{EXAMPLE_SURFACE, Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, MemoryFile, Missing, sha256};
 use crate::mistake;
 use crate::origin::Origin;
@@ -101,7 +101,8 @@ impl SurfaceScenario {
     /// A file that cannot be read, and all mistakes of the text, each with its place.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
         let name = path.display().to_string();
-        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let unread = |error| ScenarioError::unread(path, error, EXAMPLE_SURFACE);
+        let file = DataFile::open(path, &name).map_err(unread)?;
         let text = file.text().map_err(ScenarioError::from)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let sources = parse(text, &name, overrides)?.in_folder(folder);

@@ -6,7 +6,7 @@ use papilio_diagnostics::Place;
 use papilio_formats::DataFile;
 use serde_json::Value as Json;
 
-use crate::error::{ScenarioError, ScenarioErrors};
+use crate::error::{EXAMPLE_SCENARIO, ScenarioError, ScenarioErrors};
 use crate::library::Library;
 use crate::mistake::{self, Mistake, MistakeKind};
 use crate::origin::Origin;
@@ -30,7 +30,8 @@ pub(crate) struct ParsedScenario {
 impl ParsedScenario {
     pub(crate) fn load(path: &Path, overrides: &[String]) -> Result<Self, ScenarioErrors> {
         let name = path.display().to_string();
-        let file = DataFile::open(path, &name).map_err(ScenarioError::from)?;
+        let unread = |error| ScenarioError::unread(path, error, EXAMPLE_SCENARIO);
+        let file = DataFile::open(path, &name).map_err(unread)?;
         let text = file.text().map_err(ScenarioError::from)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let parsed = Self::from_text(text, &name, folder, overrides)?;

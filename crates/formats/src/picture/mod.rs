@@ -17,7 +17,7 @@ mod write;
 
 pub use colour_space::RgbSpace;
 pub use other::picture_format;
-pub(crate) use other::{a_file, convert_to};
+pub(crate) use other::{a_file, convert_to, picture_for_text};
 pub use source::SourcePicture;
 pub use transfer::Transfer;
 pub(crate) use write::{write_grey_bits, write_named_png};

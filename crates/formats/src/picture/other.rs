@@ -53,6 +53,19 @@ pub fn picture_format(bytes: &[u8]) -> Option<&'static str> {
     BY_FIRST_BYTES.iter().find(|(_, first)| bytes.starts_with(first)).map(|(name, _)| *name)
 }
 
+/// Formats of whole pages, with text.
+const PAGES: [&str; 2] = ["HTML", "PDF"];
+
+/// First bytes of pictures that are read as maps of light, too.
+const OF_LIGHT: [(&str, &[u8]); 3] =
+    [("Radiance", b"#?RADIANCE"), ("Radiance", b"#?RGBE"), ("OpenEXR", b"\x76\x2f\x31\x01")];
+
+/// The format of a picture that was given in place of a text; `None` for other files.
+pub(crate) fn picture_for_text(bytes: &[u8]) -> Option<&'static str> {
+    let of_light = OF_LIGHT.iter().find(|(_, first)| bytes.starts_with(first)).map(|(name, _)| *name);
+    picture_format(bytes).or(of_light).filter(|format| !PAGES.contains(format))
+}
+
 /// Bytes at the beginning of a text in which its first element stands.
 const HEAD_OF_TEXT: usize = 4096;
 
