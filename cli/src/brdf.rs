@@ -37,7 +37,7 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let all = state_names(&resolved.scene.display.pixel);
     let states = chosen_states(&arguments.states, &all)?;
     check_size(arguments, &resolved.scene, states.len())?;
-    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
+    let folder = folder::choose(&arguments.scenario, &resolved)?;
     let saved = SavedTable::open(&folder, STEM, &resolved.hash, directions(arguments))?;
     let mut computation = Computation::in_parts(&PARTS);
     let found =

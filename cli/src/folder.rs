@@ -4,10 +4,12 @@
 //! edit). Then it is `out/NAME-` followed by the first digits of the new hash, so that a result only replaces
 //! itself. Commands with a journal always use `out/NAME`; the journal identifies its scenario.
 
+use std::cell::LazyCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use papilio_formats::{write_file, write_json};
+use papilio_scenario::Resolved;
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::ScenarioArguments;
@@ -82,17 +84,41 @@ enum Kind {
     Fit,
 }
 
-/// Returns the folder for a result with this hash, after checking that it can be written.
-pub(crate) fn choose(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
-    choose_for(Kind::Result, arguments, hash)
+/// The hashes of a scenario.
+struct Hashes<'a> {
+    own: &'a str,
+    /// Its hash in other commands: it is found only if it is needed, because files are read for it.
+    of_others: LazyCell<Option<String>, Box<dyn FnOnce() -> Option<String> + 'a>>,
+}
+
+impl<'a> Hashes<'a> {
+    /// One hash in all commands.
+    fn one(own: &'a str) -> Self {
+        Self { own, of_others: LazyCell::new(Box::new(|| None)) }
+    }
+
+    fn has(&self, hash: &str) -> bool {
+        self.own == hash || self.of_others.as_deref() == Some(hash)
+    }
+}
+
+/// Returns the folder for a result of a scenario, after checking that it can be written.
+pub(crate) fn choose(arguments: &ScenarioArguments, resolved: &Resolved) -> Result<ResultFolder, Failure> {
+    let of_others = LazyCell::new(Box::new(|| resolved.hash_of_other_commands()) as Box<_>);
+    choose_for(Kind::Result, arguments, &Hashes { own: &resolved.hash, of_others })
+}
+
+/// Returns the folder for a result of a surface with this hash, after checking that it can be written.
+pub(crate) fn choose_for_surface(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
+    choose_for(Kind::Result, arguments, &Hashes::one(hash))
 }
 
 /// Returns the folder for a fit with this hash, after checking that it can be written.
 pub(crate) fn choose_for_fit(arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
-    choose_for(Kind::Fit, arguments, hash)
+    choose_for(Kind::Fit, arguments, &Hashes::one(hash))
 }
 
-fn choose_for(kind: Kind, arguments: &ScenarioArguments, hash: &str) -> Result<ResultFolder, Failure> {
+fn choose_for(kind: Kind, arguments: &ScenarioArguments, hash: &Hashes<'_>) -> Result<ResultFolder, Failure> {
     if let Some(folder) = &arguments.out {
         output::check(folder)?;
         return Ok(ResultFolder { path: folder.clone(), note: None });
@@ -151,18 +177,19 @@ pub(crate) fn write_about(folder: &Path, title: &str, hash: &str) -> Result<(), 
 }
 
 /// A folder named by the hash, with as many digits as are needed to avoid the folders of other results.
-fn hash_folder(kind: Kind, own: &Path, hash: &str) -> PathBuf {
+fn hash_folder(kind: Kind, own: &Path, hash: &Hashes<'_>) -> PathBuf {
+    let digits_of = hash.own;
     let named = |digits: usize| {
         let mut name = own.file_name().unwrap_or_default().to_owned();
-        name.push(format!("-{}", hash.get(..digits).unwrap_or(hash)));
+        name.push(format!("-{}", digits_of.get(..digits).unwrap_or(digits_of)));
         own.with_file_name(name)
     };
     let is_free = |folder: &PathBuf| content(kind, folder, hash) == Content::Free;
-    (DIGITS..hash.len()).map(named).find(is_free).unwrap_or_else(|| named(hash.len()))
+    (DIGITS..digits_of.len()).map(named).find(is_free).unwrap_or_else(|| named(digits_of.len()))
 }
 
 /// Returns whether a folder contains a result with another hash.
-fn content(kind: Kind, folder: &Path, hash: &str) -> Content {
+fn content(kind: Kind, folder: &Path, hash: &Hashes<'_>) -> Content {
     let (files, without_hash): (Vec<&str>, &[&str]) = match kind {
         Kind::Result => (RESULTS.iter().map(|file| file.name).chain([ABOUT]).collect(), &WITHOUT_HASH),
         Kind::Fit => (vec!["fit.json"], &[]),
@@ -171,7 +198,7 @@ fn content(kind: Kind, folder: &Path, hash: &str) -> Content {
     for name in files {
         let Ok(bytes) = fs::read(folder.join(name)) else { continue };
         match serde_json::from_slice::<Hash>(&bytes) {
-            Ok(found) if found.hash == hash => is_ours = true,
+            Ok(found) if hash.has(&found.hash) => is_ours = true,
             Ok(found) => return Content::Other(found.hash),
             Err(_) => return Content::Unknown,
         }
@@ -192,19 +219,24 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let own = base.path().join("s");
         let [ours, other] = ["a".repeat(64), "b".repeat(64)];
-        assert_eq!(content(Kind::Result, &own, &ours), Content::Free);
+        let [of_ours, of_other] = [&ours, &other].map(|hash| Hashes::one(hash));
+        assert_eq!(content(Kind::Result, &own, &of_ours), Content::Free);
         fs::create_dir(&own).unwrap();
         write_about(&own, "t", &ours).unwrap();
         assert_eq!(
-            (content(Kind::Result, &own, &ours), content(Kind::Result, &own, &other)),
+            (content(Kind::Result, &own, &of_ours), content(Kind::Result, &own, &of_other)),
             (Content::Free, Content::Other(ours.clone()))
         );
-        assert_eq!(hash_folder(Kind::Result, &own, &other), base.path().join("s-bbbbbb"));
+        // The same scenario in another command.
+        let same = ours.clone();
+        let both = Hashes { own: &other, of_others: LazyCell::new(Box::new(|| Some(same))) };
+        assert_eq!(content(Kind::Result, &own, &both), Content::Free);
+        assert_eq!(hash_folder(Kind::Result, &own, &of_other), base.path().join("s-bbbbbb"));
         // Another hash with the same first digits.
         let close = format!("bbbbbb{}", "c".repeat(58));
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
         write_about(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
-        assert_eq!(hash_folder(Kind::Result, &own, &other), base.path().join("s-bbbbbbb"));
+        assert_eq!(hash_folder(Kind::Result, &own, &of_other), base.path().join("s-bbbbbbb"));
         // Files of a scenario that another one replaces; those of other programs stay.
         for name in ["pixel.csv", "display-white.bsdf", "step-normalise.svg", "notes.csv"] {
             fs::write(own.join(name), "").unwrap();
@@ -218,6 +250,6 @@ mod tests {
         let old = base.path().join("old");
         fs::create_dir(&old).unwrap();
         fs::write(old.join("pixel.csv"), "").unwrap();
-        assert_eq!(content(Kind::Result, &old, &ours), Content::Unknown);
+        assert_eq!(content(Kind::Result, &old, &of_ours), Content::Unknown);
     }
 }

@@ -41,7 +41,7 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     costs::check_rays(rays, arguments.workers.threads)?;
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
-        _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
+        _ => Some(folder::choose_for_surface(&arguments.scenario, &resolved.hash)?),
     };
     let mut journal = folder.as_deref().map(|folder| open_journal(folder, &resolved)).transpose()?;
     let measurement = &resolved.measurement;

@@ -44,7 +44,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         if arguments.absorption { Some(absorption_of(arguments, &resolved, &scene)?) } else { None };
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
-        _ => Some(folder::choose(&arguments.scenario, &resolved.hash)?),
+        _ => Some(folder::choose(&arguments.scenario, &resolved)?),
     };
     let scan = scan_at(&scene, &theta_deg, arguments.phi)
         .map_err(|error| Failure::from_display(&resolved, error))?;

@@ -26,7 +26,7 @@ const LONG_SECONDS: f64 = 1.0;
 
 pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     let resolved = resolve(arguments)?;
-    let out = out_folder(arguments, &resolved.hash)?;
+    let out = out_folder(arguments, &resolved)?;
     costs::check_paths(&resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     let views = resolved.scene.viewer.directions().count();
     let views = (!arguments.cone).then_some(views);
@@ -158,9 +158,9 @@ fn duration(seconds: f64) -> String {
 }
 
 /// Folder for the files, if any are written.
-fn out_folder(arguments: &Run, hash: &str) -> Result<Option<ResultFolder>, Failure> {
+fn out_folder(arguments: &Run, resolved: &Resolved) -> Result<Option<ResultFolder>, Failure> {
     if arguments.scenario.out.is_some() || !arguments.json {
-        return folder::choose(&arguments.scenario, hash).map(Some);
+        return folder::choose(&arguments.scenario, resolved).map(Some);
     }
     if arguments.cone || arguments.png || arguments.report {
         let message = "--cone, --png and --report write files, but --json writes none without --out\n  = help: specify a folder with --out DIR";

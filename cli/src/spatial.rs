@@ -103,7 +103,7 @@ fn computed<R>(
     if arguments.png && !papilio_figures::HAS_PNG {
         return Err(papilio_figures::PngError::NotBuilt.into());
     }
-    let folder = arguments.folder(&resolved.hash)?;
+    let folder = arguments.folder(resolved)?;
     costs::check_paths(resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     let result = with_progress(resolved, arguments.workers.threads, compute)?;
     Ok((result.ok_or(Failure::Interrupted("no file was written"))?, folder))
@@ -149,10 +149,10 @@ impl SpatialCommand {
     }
 
     /// Returns the folder for files; `None` if only JSON is printed.
-    fn folder(&self, hash: &str) -> Result<Option<ResultFolder>, Failure> {
+    fn folder(&self, resolved: &Resolved) -> Result<Option<ResultFolder>, Failure> {
         match (&self.scenario.out, self.json) {
             (None, true) => Ok(None),
-            _ => folder::choose(&self.scenario, hash).map(Some),
+            _ => folder::choose(&self.scenario, resolved).map(Some),
         }
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     ));
     // One thread, and for each sampler and strategy.
     costs::check_paths(&resolved, Some(arguments.paths), (CURVES, "--paths"), Some(1))?;
-    let folder = folder::choose(&arguments.scenario, &resolved.hash)?;
+    let folder = folder::choose(&arguments.scenario, &resolved)?;
     let paths: Vec<u64> =
         std::iter::successors(Some(FIRST), |n| Some(4 * n)).take_while(|n| *n <= arguments.paths).collect();
     let started = Instant::now();

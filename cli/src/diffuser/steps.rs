@@ -32,7 +32,7 @@ struct Variant {
 pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let scenario = &arguments.scenario;
     let base = input::scenario::<Scenario>(&scenario.file, &scenario.set)?.resolve()?;
-    let out = folder::choose(scenario, &base.hash)?;
+    let out = folder::choose(scenario, &base)?;
     let mut displays = vec![("as specified".to_owned(), None, base.clone())];
     for (key, off, name) in active_steps(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();

@@ -51,6 +51,32 @@ fn files_are_written_and_white_is_white() {
     assert!(table.contains("in other rooms") && table.contains("office"), "{table}");
 }
 
+/// `papilio image` reads the picture of the scenario and `papilio palette` does not: the folder is the same, in either order. Another
+/// picture has a folder of its own.
+#[test]
+fn palette_and_picture_of_a_scenario_are_in_one_folder() {
+    let set = ["--set", "display.matrix.pixels=[24,16]"];
+    for commands in [["palette", "image"], ["image", "palette"]] {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |command: &str, more: &[&str]| {
+            let file = scenario("six-ink").canonicalize().unwrap();
+            let output =
+                papilio().current_dir(folder.path()).arg(command).arg(file).args(set).args(more).output();
+            let output = output.unwrap();
+            assert!(output.status.success(), "{}", stderr(&output));
+            stderr(&output)
+        };
+        for command in commands {
+            let said = at(command, &[]);
+            assert!(!said.contains("note: out"), "{command}: {said}");
+        }
+        assert_eq!(names(&folder.path().join("out")), ["six-ink"]);
+        let page = scenario("data/page").with_extension("png").canonicalize().unwrap();
+        let said = at("image", &[page.to_str().unwrap()]);
+        assert!(said.contains("note: out/six-ink contains the result of another scenario"), "{said}");
+    }
+}
+
 /// The colours are those of `papilio run`; another light changes them, the same light does not.
 #[test]
 fn colours_are_those_of_a_run() {

@@ -74,6 +74,7 @@ pub struct Resolved {
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
     pub hash: String,
     written: Arc<ScenarioTree>,
+    library: Library,
 }
 
 impl Scenario {
@@ -200,7 +201,7 @@ impl Scenario {
             keys.insert("inputs".to_owned(), json!(inputs));
         }
         let canonical = sorted(canonical);
-        let hash = sha256(canonical.to_string().as_bytes());
+        let hash = hash_of(&canonical);
         Ok(Resolved {
             scene,
             patterns,
@@ -226,6 +227,7 @@ impl Scenario {
         else {
             return Ok(image);
         };
+            library: self.library.clone(),
         let one;
         let lights: &[Spanned<String>] = match stated {
             DecidedFor::One(name) => {
@@ -290,6 +292,32 @@ impl Resolved {
                 let wrong = mistake::missing_key("matrix", "the places of the sub-pixels, [display.matrix]");
                 let mut wrong = wrong;
                 let hint = format!(
+/// SHA-256 of a scenario with every default filled in and sorted keys.
+fn hash_of(canonical: &Value) -> String {
+    sha256(canonical.to_string().as_bytes())
+}
+
+impl Resolved {
+    /// The hash of the same scenario in commands that read the files of `[image]`, if this one was resolved without them, or in
+    /// all others; `None` if there are no such files, or they cannot be read.
+    pub fn hash_of_other_commands(&self) -> Option<String> {
+        let image = self.canonical.get("image")?;
+        let named = ["file", "regions"].into_iter().filter_map(|key| image.get(key)?.as_str());
+        let files = named.filter(|name| self.library.has(name));
+        let mut canonical = self.canonical.clone();
+        let inputs = canonical.get_mut("inputs")?.as_object_mut()?;
+        for name in files {
+            if self.image.is_some() {
+                inputs.remove(name);
+            } else {
+                let file = self.library.open(name, LARGEST_PICTURE_FILE).ok()?;
+                inputs.insert(name.to_owned(), json!(file.sha256()));
+            }
+        }
+        Some(hash_of(&sorted(canonical))).filter(|other| *other != self.hash)
+    }
+}
+
                     "`papilio {command}` needs them: add [display.matrix] with ppi = 300, or the pitch_um of the pixels"
                 );
                 wrong.diagnostic = wrong.diagnostic.hint(hint);
