@@ -26,9 +26,32 @@ pub(super) fn read(arguments: &Compare, measured: &Measurement) -> Result<(PathB
         )));
     }
     // For a folder, the `result.json` in it.
-    let file = if path.is_dir() { path.join("result.json") } else { path.clone() };
+    let file = if path.is_dir() { path.join(RESULT) } else { path.clone() };
+    if path.is_dir() && !file.exists() {
+        return Err(without_result(path));
+    }
     let read = read_result_with(&super::open(&file)?, &measured.metrics).map_err(Failure::Data)?;
     Ok((file, read))
+}
+
+const RESULT: &str = "result.json";
+
+/// Largest number of folders that are proposed.
+const MOST_PROPOSED: usize = 3;
+
+/// The error of a folder without a result; those in it may have one.
+fn without_result(folder: &Path) -> Failure {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut there: Vec<PathBuf> =
+        entries.map(|entry| entry.path()).filter(|path| path.join(RESULT).is_file()).collect();
+    there.sort();
+    let there: Vec<String> =
+        there.iter().take(MOST_PROPOSED).map(|path| format!("`{}`", path.display())).collect();
+    let help = match there.is_empty() {
+        true => "`papilio run SCENARIO` writes one; or give the scenario file itself".to_owned(),
+        false => format!("did you mean {}?", there.join(" or ")),
+    };
+    Failure::Input(format!("the folder {} contains no {RESULT}\n  = help: {help}", folder.display()))
 }
 
 /// Computes a scenario, its measured metrics, and the spread by its `[tolerance]`.

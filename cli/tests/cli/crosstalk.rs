@@ -39,13 +39,17 @@ fn crosstalk_writes_its_files() {
 #[test]
 fn missing_matrix_and_thickness_are_reported() {
     for (name, sets, expected) in [
-        ("indoor", &["--json"][..], "the key `matrix` is missing"),
-        ("epaper", &["--json", "--set", "display.matrix.ppi=300"], "the key `thickness_mm` is missing"),
+        ("indoor", &["--json"][..], "the key `display.matrix` is missing"),
+        (
+            "epaper",
+            &["--json", "--set", "display.matrix.ppi=300"],
+            "the key `display.glass.thickness_mm` is missing",
+        ),
         // All at once.
-        ("epaper", &["--json"], "the key `matrix` is missing"),
-        ("epaper", &["--json"], "the key `thickness_mm` is missing"),
+        ("epaper", &["--json"], "the key `display.matrix` is missing"),
+        ("epaper", &["--json"], "--set display.glass.thickness_mm=0.5"),
         // Of a table that does not exist.
-        ("six-ink", &["--json"], "the key `glass.thickness_mm` is missing"),
+        ("six-ink", &["--json"], "the key `display.glass.thickness_mm` is missing"),
         ("matrix", &["--json", "--set", SPREAD], "monte-carlo"),
         // A pitch in mm.
         (

@@ -254,8 +254,8 @@ fn incomplete_scenarios_are_refused_with_their_place() {
     let text = fs::read_to_string(scenario("antiglare")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for (line, expected) in [
-        ("thickness_mm = 0.5", "the key `thickness_mm` is missing"),
-        ("[display.matrix]\nppi = 300\nlayout = \"stripe\"", "the key `matrix` is missing"),
+        ("thickness_mm = 0.5", "the key `display.glass.thickness_mm` is missing"),
+        ("[display.matrix]\nppi = 300\nlayout = \"stripe\"", "the key `display.matrix` is missing"),
         (
             "[sparkle]\nhaze = 0.05                     # through a plate with this face; slope 0.036\ncorrelation_um = [8, 15, 30]\npupil_mm = 4",
             "the table [sparkle] is missing",

@@ -91,12 +91,18 @@ pub(crate) fn missing_key(key: &str, expected: impl std::fmt::Display) -> Mistak
     Mistake { kind: MistakeKind::MissingKey(key.to_owned()), diagnostic }
 }
 
+/// A required key that is missing, by its whole path; `below` is its name below the table at the place of the mistake.
+pub(crate) fn missing_path(path: &str, below: &str, expected: impl std::fmt::Display) -> Mistake {
+    Mistake { kind: MistakeKind::MissingKey(below.to_owned()), ..missing_key(path, expected) }
+}
+
 /// A length that is missing, on which the places of light depend.
-pub(crate) fn missing_length(key: &str) -> Mistake {
-    let mut wrong = missing_key(key, "a length in mm");
+pub(crate) fn missing_length(path: &str, below: &str) -> Mistake {
+    let mut wrong = missing_path(path, below, "a length in mm");
     let why = "where light leaves depends on the thickness of all layers that it crosses obliquely, from the pixel to the \
                highest layer that scatters or reflects it; a missing thickness is not guessed";
-    wrong.diagnostic = wrong.diagnostic.note(why);
+    wrong.diagnostic =
+        wrong.diagnostic.note(why).hint(format!("measure it, or try half a millimetre: --set {path}=0.5"));
     wrong
 }
 

@@ -17,6 +17,7 @@ use crate::describe::image::DecidedFor;
 use crate::error::{EXAMPLE_SCENARIO, Errors, ScenarioError, ScenarioErrors};
 use crate::library::{Library, sha256};
 use crate::mistake::{self, Mistake};
+use crate::origin::Origin;
 use crate::path::KeyPath;
 use crate::preset::UsedPreset;
 use crate::read::{Read, Spanned};
@@ -73,8 +74,8 @@ pub struct Resolved {
     pub canonical: Value,
     /// SHA-256 of `canonical` as compact JSON, in hexadecimal digits.
     pub hash: String,
-    written: Arc<ScenarioTree>,
     library: Library,
+    written: Arc<ScenarioTree>,
 }
 
 impl Scenario {
@@ -117,6 +118,14 @@ impl Scenario {
         sources: Sources,
     ) -> Result<Self, ScenarioErrors> {
         let mut errors = Errors::default();
+        let has = |key: &str| assembled.root.get(key).is_some();
+        if has("microgeometry") && !has("display") {
+            let wrong = Diagnostic::new("this is a surface, not the scenario of a display")
+                .expected("a file with the table [display]")
+                .hint("`papilio gonio` measures surfaces; scenarios/ has examples of displays");
+            errors.push(Origin::FILE, wrong);
+            errors.check(&sources)?;
+        }
         let file = File::read(&assembled.root, &mut errors);
         let mut file = errors.finish(file, &sources)?;
         file.complete();
@@ -208,11 +217,17 @@ impl Scenario {
             sparkle,
             image,
             surfaces,
-            title: self.file.title.as_ref().map(|title| title.0.clone()),
+            title: self
+                .file
+                .title
+                .as_ref()
+                .map(|title| title.0.clone())
+                .filter(|title| !title.trim().is_empty()),
             warnings: [self.warnings.clone(), warnings].concat(),
             notes: [self.notes.clone(), notes].concat(),
             canonical,
             hash,
+            library: self.library.clone(),
             written: Arc::clone(&self.written),
         })
     }
@@ -227,7 +242,6 @@ impl Scenario {
         else {
             return Ok(image);
         };
-            library: self.library.clone(),
         let one;
         let lights: &[Spanned<String>] = match stated {
             DecidedFor::One(name) => {
@@ -278,20 +292,6 @@ impl Scenario {
     }
 }
 
-/// The light of the scenario itself, and what may be stated in its place.
-const THIS: &str = "this";
-const LIGHTS: &str = "\"this\", a preset, or an illuminant of `papilio illuminants`";
-
-impl Resolved {
-    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
-    /// causes it.
-    pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
-        let source;
-        let (key, wrong): (&str, Mistake) = match error {
-            DisplayError::NoMatrix { command } => {
-                let wrong = mistake::missing_key("matrix", "the places of the sub-pixels, [display.matrix]");
-                let mut wrong = wrong;
-                let hint = format!(
 /// SHA-256 of a scenario with every default filled in and sorted keys.
 fn hash_of(canonical: &Value) -> String {
     sha256(canonical.to_string().as_bytes())
@@ -318,7 +318,22 @@ impl Resolved {
     }
 }
 
-                    "`papilio {command}` needs them: add [display.matrix] with ppi = 300, or the pitch_um of the pixels"
+/// The light of the scenario itself, and what may be stated in its place.
+const THIS: &str = "this";
+const LIGHTS: &str = "\"this\", a preset, or an illuminant of `papilio illuminants`";
+
+impl Resolved {
+    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
+    /// causes it.
+    pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
+        let source;
+        let (key, wrong): (&str, Mistake) = match error {
+            DisplayError::NoMatrix { command } => {
+                let expected = "the places of the sub-pixels, [display.matrix]";
+                let mut wrong = mistake::missing_path("display.matrix", "matrix", expected);
+                let hint = format!(
+                    "`papilio {command}` needs them: add [display.matrix] with ppi or the pitch_um of the pixels, or try --set \
+                     display.matrix.ppi=300"
                 );
                 wrong.diagnostic = wrong.diagnostic.hint(hint);
                 let mut errors = Errors::default();
@@ -472,7 +487,7 @@ impl Resolved {
             // The table of the key may be missing, too.
             let known = self.written.root.depth_of(key);
             let missing = key.splitn(known + 1, '.').last().unwrap_or(key);
-            errors.push(self.written.root.place_of(key), mistake::missing_length(missing));
+            errors.push(self.written.root.place_of(key), mistake::missing_length(key, missing));
         }
     }
 }
@@ -482,6 +497,9 @@ pub(crate) fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Sour
     if text.len() > LONGEST_TEXT {
         let problem = Problem::TooLarge { bytes: text.len() as u64, limit: LONGEST_TEXT as u64 };
         return Err(ScenarioError::about_file(name, problem).into());
+    }
+    if let Some(format) = picture_format(text.as_bytes()).filter(|format| *format == "SVG") {
+        return Err(ScenarioError::from(FormatError::whole(name, Problem::Picture { format })).into());
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (document, wrong) = Node::parse_document(text);
@@ -526,9 +544,6 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Complete
     let mut notes = renamed::notes(&old);
     notes.extend(replaced_rectangles(sources.document(), &root));
     Ok(CompleteTree { root, warnings, notes })
-    if let Some(format) = picture_format(text.as_bytes()).filter(|format| *format == "SVG") {
-        return Err(ScenarioError::from(FormatError::whole(name, Problem::Picture { format })).into());
-    }
 }
 
 /// Note that a layout of `--set` replaces the rectangles of the file, which are described by no other key.

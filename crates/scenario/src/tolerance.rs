@@ -104,9 +104,8 @@ impl Tolerance {
             None => {
                 let wrong =
                     Diagnostic::new("there is no tolerance analysis: the scenario has no `[tolerance]`")
-                        .expected(
-                            "[tolerance] with [[tolerance.keys]], each with a key and its distribution",
-                        );
+                        .expected("[tolerance] with [[tolerance.keys]], each with a key and its distribution")
+                        .hint("scenarios/tolerance.toml is an example; docs/tolerance.md has all keys");
                 errors.push(assembled.origin, wrong);
                 None
             }

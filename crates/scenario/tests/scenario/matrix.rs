@@ -393,8 +393,10 @@ fn missing_length_is_located() {
     // All at once, in the order of the text.
     let places: Vec<_> = located.iter().map(|one| one.place.line_column()).collect();
     assert_eq!(places, [Some((7, 1)), Some((16, 1))], "{located}");
-    for key in ["gap_mm", "thickness_mm"] {
-        assert!(located.to_string().contains(&format!("the key `{key}` is missing")), "{located}");
+    for (key, one) in ["display.front.0.gap_mm", "display.glass.thickness_mm"].into_iter().zip(located.iter())
+    {
+        assert_eq!(one.path.as_deref(), Some(key));
+        assert!(one.to_string().contains(&format!("the key `{key}` is missing")), "{located}");
     }
 }
 

@@ -149,7 +149,7 @@ test("fine detail without a thickness offers the glass; slow ones have progress 
   await example(page, "six-ink");
   await settled(page);
   await tool(page, "detail");
-  await page.getByText("the key `glass.thickness_mm` is missing").first().waitFor();
+  await page.getByText("the key `display.glass.thickness_mm` is missing").first().waitFor();
   await page.getByRole("button", { name: "Add 0.5 mm of glass" }).click();
   await page.locator("#tab-panel table.numbers").first().waitFor({ timeout: 120_000 });
   assert.match(await saved(page), /\[display\.glass\]\s+thickness_mm = 0\.5|glass = \{ thickness_mm = 0\.5 \}|glass\.thickness_mm = 0\.5/);
