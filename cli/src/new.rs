@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use papilio_diagnostics::did_you_mean;
 use papilio_formats::write_file;
 use papilio_scenario::{ExampleDisplay, new_scenario, new_scenario_of, preset_names};
 
@@ -16,13 +17,10 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
         None => new_scenario(&light),
     };
     let text = text.ok_or_else(|| {
-        let known = preset_names().collect::<Vec<_>>().join(", ");
-        let is_file = arguments.light.is_none() && Path::new(&light).extension().is_some();
-        let first = if is_file { "a file comes after the preset of its light; " } else { "" };
-        Failure::Input(format!("unknown preset `{light}`\n  = help: {first}the presets are {known}"))
+        Failure::Input(format!("unknown preset `{light}`\n  = help: {}", help_on_light(arguments, &light)))
     })?;
     let example = arguments.display.unwrap_or(ExampleDisplay::IMOD);
-    let Some(file) = file else {
+    let Some(file) = file.filter(|file| !input::is_stdin(file)) else {
         let mut stdout = crate::terminal::stdout();
         stdout.write_all(text.as_bytes())?;
         stdout.flush()?;
@@ -59,6 +57,22 @@ pub(crate) fn run(arguments: &New) -> Result<(), Failure> {
         input::as_argument(&file)
     ));
     Ok(())
+}
+
+/// What to write instead of a name that is no preset.
+fn help_on_light(arguments: &New, light: &str) -> String {
+    if ExampleDisplay::named(light).is_some() {
+        let file = arguments.file.as_deref().unwrap_or(Path::new("FILE"));
+        let file = input::as_argument(file);
+        return format!("{light} is a display: papilio new --display {light} --light office {file}");
+    }
+    let displays = ExampleDisplay::ALL.into_iter().map(|display| display.name);
+    if let Some(near) = did_you_mean(light, preset_names().chain(displays)) {
+        return near;
+    }
+    let is_file = arguments.light.is_none() && Path::new(light).extension().is_some();
+    let first = if is_file { "a file comes after the preset of its light; " } else { "" };
+    format!("{first}the presets are {}", preset_names().collect::<Vec<_>>().join(", "))
 }
 
 /// The preset and the file: `PRESET [FILE]`, or `[FILE]` with `--light`.

@@ -169,7 +169,7 @@ pub(crate) struct New {
     /// Preset of the light: office, sunny, iec-directional, ... (with --light: FILE)
     #[arg(value_name = "PRESET")]
     pub(crate) preset: Option<String>,
-    /// File to write; it must not exist [default: standard output]
+    /// File to write; it must not exist; - is standard output [default: standard output]
     #[arg(value_name = "FILE")]
     pub(crate) file: Option<PathBuf>,
     /// Display of the scenario [default: imod]

@@ -50,7 +50,29 @@ fn existing_file_is_not_overwritten() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("already exists"));
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
     let nowhere = folder.path().join("none").join("x.toml");
-    assert_eq!(papilio(&[Path::new("new"), Path::new("office"), &nowhere]).status.code(), Some(1));
+    let output = papilio(&[Path::new("new"), Path::new("office"), &nowhere]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("none does not exist") && said.contains("help: create it"), "{said}");
     let printed = papilio(&[Path::new("new"), Path::new("office")]).stdout;
-    assert!(String::from_utf8(printed).unwrap().contains("illuminance_lx = 500"));
+    assert_eq!(papilio(&[Path::new("new"), Path::new("office"), Path::new("-")]).stdout, printed);
+    assert!(String::from_utf8(printed).unwrap().contains("illuminance_lx = 500") && !Path::new("-").exists());
+}
+
+#[test]
+fn name_that_is_no_preset_has_a_suggestion() {
+    for (arguments, suggestion) in [
+        (
+            &["six-ink", "x.toml"][..],
+            "six-ink is a display: papilio new --display six-ink --light office x.toml",
+        ),
+        (&["ofice"], "did you mean `office`?"),
+        (&["--light", "livingroom"], "did you mean `living-room`?"),
+    ] {
+        let arguments: Vec<&Path> = ["new"].iter().chain(arguments).map(Path::new).collect();
+        let output = papilio(&arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(suggestion), "{said}");
+    }
 }
