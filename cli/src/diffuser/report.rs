@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use papilio_figures::Transmission;
 use papilio_formats::words::{channel, percent, span, table};
-use papilio_goniometry::{MeasuredPart, Parameter, RankedFit};
+use papilio_goniometry::{MeasuredPart, Parameter, RankedFit, ScatterMode};
 
 /// Report of transmission spectra.
 pub(super) fn spectra(spectra: &[Transmission]) -> String {
@@ -39,7 +39,8 @@ pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String
             percent(fit.relative_rms),
             percent(fit.total_error),
         ]);
-        let each: Vec<String> = fit.parameters.iter().map(parameter).collect();
+        let each = fit.parameters.iter().map(|one| parameter(one, part.way));
+        let each: Vec<String> = each.collect();
         let _ = writeln!(parameters, "  {name}: {}", each.join(", "));
     }
     text.push_str(&table(&rows));
@@ -56,23 +57,23 @@ pub(super) fn fit(name: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String
          total: relative deviation of the sum over all cells\n\nparameters, with 95 % confidence intervals\n",
     );
     text.push_str(&parameters);
-    if fits.iter().any(|ranked| !ranked.fit.converged) {
-        text.push_str("warning: a fit did not converge\n");
+    let open = fits.iter().filter(|ranked| !ranked.fit.converged).map(|ranked| ranked.fit.model.kind.name());
+    let open: Vec<&str> = open.collect();
+    if !open.is_empty() {
+        let _ = writeln!(text, "warning: the fit did not converge for {}", open.join(", "));
     }
     text
 }
 
 /// A parameter with its confidence interval.
-fn parameter(parameter: &Parameter) -> String {
+fn parameter(parameter: &Parameter, way: ScatterMode) -> String {
     let [low, high] = parameter.interval;
     let end = if parameter.at_bound { " (at the end of its range)" } else { "" };
-    format!(
-        "{} {} [{}, {}]{end}",
-        parameter.name.replace('_', "-"),
-        short(parameter.value),
-        short(low),
-        short(high)
-    )
+    let name = match (parameter.name, way.is_transmission()) {
+        ("transmittance", false) => "reflectance".to_owned(),
+        (name, _) => name.replace('_', "-"),
+    };
+    format!("{name} {} [{}, {}]{end}", short(parameter.value), short(low), short(high))
 }
 
 /// A number with five significant digits.

@@ -6,6 +6,9 @@ use papilio_goniometry::{Fit, Kind, MeasuredPart, Normalisation, RankedFit, Scat
 
 use super::report::short;
 
+/// Largest total of a fit that may be an error of the measurement; a table limits it to 1.
+const LARGEST_TOTAL: f64 = 1.05;
+
 /// `[display.diffuser]` for each lobe that scenarios support, in the order of the fits, and for the file
 /// itself. Empty for a measurement in reflection, because a diffuser needs the transmission.
 pub(super) fn scenario_tables(file: &str, part: &MeasuredPart, fits: &[RankedFit]) -> String {
@@ -65,13 +68,21 @@ fn keys(fit: &Fit) -> Option<Result<String, &'static str>> {
     };
     let regular = fit.straight.map_or(0.0, |regular| regular.share);
     let total = lobe + regular;
-    if total > 1.0 {
-        return Some(Err("the fitted lobe transmits more light than it receives"));
+    if total > LARGEST_TOTAL {
+        return Some(Err("the fitted lobe transmits much more light than it receives"));
     }
     if !widths.contains(&width) {
         return Some(Err("its width is outside the range of scenarios"));
     }
-    let _ = writeln!(keys, "transmittance = {}", short(total));
+    if total > 1.0 {
+        let _ = writeln!(
+            keys,
+            "transmittance = 1  # the fit gives {}, more than scenarios take: the level of the measurement is too high",
+            short(total)
+        );
+    } else {
+        let _ = writeln!(keys, "transmittance = {}", short(total));
+    }
     if regular > 0.0 {
         let _ = writeln!(keys, "regular_fraction = {}", short(regular / total));
     }

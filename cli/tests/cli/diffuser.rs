@@ -238,6 +238,23 @@ fn steps_are_left_out_one_at_a_time() {
     assert!(folder.path("tails/step-extrapolate_tails.svg").is_file());
 }
 
+/// A fit of a reflection says so, and which lobe did not converge.
+#[test]
+fn fit_of_a_reflection_has_reflectances() {
+    let file = shipped("data/ptfe-532-pairs.csv");
+    let (text, _) = done(&["fit", &file, "--model", "k-correlation"]);
+    assert!(text.contains("k-correlation: reflectance") && !text.contains("transmittance"), "{text}");
+    assert!(text.ends_with("warning: the fit did not converge for k-correlation\n"), "{text}");
+}
+
+/// The level of a measurement has an error: a total of 1.008 gives a table of a scenario, with 1.
+#[test]
+fn total_slightly_above_all_light_is_limited() {
+    let (text, _) = done(&["fit", &shipped("data/H65.bsdf"), "--model", "k-correlation-3"]);
+    let table = text.split_once("tables for a scenario").unwrap().1;
+    assert!(table.contains("transmittance = 1  # the fit gives 1.00"), "{table}");
+}
+
 /// The output of `fit` is a table of a scenario: a display under the fitted lobe looks as under the file.
 /// Every day, two of the five lobes.
 #[test]
