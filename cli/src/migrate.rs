@@ -15,11 +15,18 @@ pub(crate) fn run(arguments: &Migrate) -> Result<(), Failure> {
     let name = arguments.file.display().to_string();
     let file = DataFile::open(&arguments.file, &name).map_err(Failure::Data)?;
     let old = file.text().map_err(Failure::Data)?;
-    let Migrated { text, renamed } = migrate(old, &name)?;
+    let Migrated { text, renamed, is_scenario } = migrate(old, &name)?;
+    if !is_scenario {
+        let message = format!(
+            "{name} is not a scenario: it has neither a table [display] nor [microgeometry]\n  = help: nothing was written; `papilio new \
+             office FILE` writes a scenario"
+        );
+        return Err(Failure::Input(message));
+    }
     let target = arguments.out.as_ref().unwrap_or(&arguments.file);
     let is_new = text != old || arguments.out.is_some();
     if is_new && !arguments.dry_run {
-        write_file(target, |out| out.write_all(text.as_bytes())).map_err(Failure::Write)?;
+        write_file(target, |out| out.write_all(text.as_bytes()))?;
     }
     let mut stdout = crate::terminal::stdout();
     if arguments.json {

@@ -87,6 +87,8 @@ fn invalid_files_are_not_migrated() {
         ("[solver]\nevery_bin = true\nper_wavelength = true\n", "two names of one key"),
         ("format = 9\n", "format 9"),
         ("not a scenario", "error"),
+        ("", "is not a scenario"),
+        ("title = \"mine\"\n[solver]\nevery_bin = true\n", "is not a scenario"),
     ] {
         let (_folder, file, _) = place(text);
         let output = papilio(&["migrate", &file]);

@@ -13,6 +13,8 @@ pub struct Migrated {
     pub text: String,
     /// Each change, in the order of the text.
     pub renamed: Vec<RenamedPlace>,
+    /// Whether the text describes a display or a surface.
+    pub is_scenario: bool,
 }
 
 /// A replaced name.
@@ -74,7 +76,8 @@ pub fn migrate(text: &str, name: &str) -> Result<Migrated, ScenarioErrors> {
     let text = stated(&new, format.is_some());
     // Both names of one key, where a table holds paths.
     parse(&text, name, &[])?;
-    Ok(Migrated { text, renamed })
+    let is_scenario = ["display", "microgeometry"].iter().any(|table| root.get(table).is_some());
+    Ok(Migrated { text, renamed, is_scenario })
 }
 
 /// The text with `format = 2`: in the place of another number, or above the first key, below the comment that
