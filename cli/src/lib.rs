@@ -61,9 +61,11 @@ use std::borrow::Cow;
 use std::ffi::OsString;
 
 use clap::FromArgMatches;
+use clap::error::{ContextKind, ContextValue};
 
 use arguments::Arguments;
 use failure::Failure;
+use papilio_diagnostics::nearest;
 use papilio_formats::report::numbers;
 use papilio_formats::words::visible;
 use terminal::{print_message, print_notes};
@@ -240,6 +242,40 @@ struct ResultFile {
     schema: Option<fn() -> serde_json::Value>,
 }
 
+/// Adds what was probably meant to the error of an unknown command: commands with similar names, and the option of this name.
+fn with_suggestions(arguments: &[OsString], mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(wrong)) = error.get(ContextKind::InvalidSubcommand) else { return error };
+    let wrong = wrong.clone();
+    let program = command();
+    let (mut parent, mut names) = (&program, "papilio".to_owned());
+    for argument in arguments.iter().skip(1).filter_map(|argument| argument.to_str()) {
+        let Some(found) = parent.find_subcommand(argument) else { continue };
+        names.push_str(&format!(" {argument}"));
+        parent = found;
+    }
+    if error.get(ContextKind::SuggestedSubcommand).is_none()
+        && let Some(near) = nearest(&wrong, parent.get_subcommands().map(clap::Command::get_name))
+    {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![near.to_owned()]));
+    }
+    let has_option =
+        |command: &&clap::Command| command.get_arguments().any(|one| one.get_long() == Some(wrong.as_str()));
+    let with_option: Vec<String> = parent
+        .get_subcommands()
+        .filter(has_option)
+        .map(|command| format!("`{names} {} ... --{wrong}`", command.get_name()))
+        .collect();
+    // An option of many commands, such as --json, was not meant.
+    if (1..=MOST_WITH_OPTION).contains(&with_option.len()) {
+        let tip = format!("this is an option: {}", with_option.join(" or "));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+/// Largest number of commands with an option that are proposed.
+const MOST_WITH_OPTION: usize = 2;
+
 /// Prints the error of the arguments, and returns the exit code.
 ///
 /// Clap quotes arguments unchanged. An argument with control characters, which a terminal would execute, is
@@ -298,7 +334,7 @@ fn caught(command: impl FnOnce() -> u8 + std::panic::UnwindSafe) -> u8 {
 fn run_command(arguments: &[OsString]) -> u8 {
     let matches = match command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
-        Err(error) => return report_invalid_arguments(arguments, &error),
+        Err(error) => return report_invalid_arguments(arguments, &with_suggestions(arguments, error)),
     };
     let parsed = match Arguments::from_arg_matches(&matches) {
         Ok(parsed) => parsed,

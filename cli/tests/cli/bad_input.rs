@@ -99,6 +99,67 @@ fn missing_scenario_exits_with_2() {
     assert_eq!(papilio().arg("fly").output().unwrap().status.code(), Some(2));
 }
 
+/// What the arguments probably meant: names of files and commands, options, and files of another kind.
+#[test]
+fn slips_in_the_arguments_have_a_suggestion() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let shipped = scenario("indoor");
+    fs::copy(&shipped, here.join("indoor.toml")).unwrap();
+    let surface = shipped.parent().unwrap().join("../surfaces/hemispheres.toml");
+    fs::copy(surface, here.join("bumps.toml")).unwrap();
+    fs::write(here.join("photo.jpg"), b"\xff\xd8\xff\xe0\0\x10JFIF\0\xfe").unwrap();
+    fs::write(here.join("drawing.svg"), "<svg xmlns='http://www.w3.org/2000/svg'/>").unwrap();
+    fs::write(here.join("archive.zip"), b"PK\x03\x04\xff").unwrap();
+    fs::create_dir_all(here.join("results/indoor")).unwrap();
+    fs::write(here.join("results/indoor/result.json"), "{}").unwrap();
+    fs::write(here.join("measured.csv"), "state,theta_deg,X,Y,Z\nwhite,8,1,1,1\n").unwrap();
+    for (arguments, words) in [
+        (&["run", "indor.toml"][..], &["there is no such file", "did you mean `indoor.toml`?"][..]),
+        (&["run", "indoor"], &["did you mean `indoor.toml`?"]),
+        (&["sweep", "indor.toml"], &["did you mean `indoor.toml`?"]),
+        (&["gonio", "nothing-like-it.toml"], &["a surface, for example surfaces/hemispheres.toml"]),
+        (&["run", "."], &["it is a folder", "scenarios/indoor.toml"]),
+        (&["run", "bumps.toml"], &["this is a surface", "papilio gonio"]),
+        (
+            &["image", "photo.jpg"],
+            &["this is a picture, a JPEG file", "papilio image photo.jpg --on six-ink"],
+        ),
+        (&["run", "drawing.svg"], &["this is a picture, an SVG file", "--on six-ink"]),
+        (&["run", "archive.zip"], &["this file is not text in UTF-8"]),
+        (&["run", "indoor.toml", "--set", "viewer.theta=30"], &["did you mean `theta_deg`?"]),
+        (&["rnu", "indoor.toml"], &["a similar subcommand exists: 'run'"]),
+        (&["diffuser", "fti", "x"], &["a similar subcommand exists: 'fit'"]),
+        (&["cone"], &["this is an option: `papilio run ... --cone`"]),
+        (
+            &["compare", "results", "measured.csv"],
+            &["contains no result.json", "did you mean `results/indoor`?"],
+        ),
+        (&["tolerance", "indoor.toml"], &["scenarios/tolerance.toml is an example"]),
+    ] {
+        let output = papilio().current_dir(here).args(arguments).output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{arguments:?}: {said}");
+        }
+        assert!(!said.contains("JFIF") && !said.contains("PK"), "{arguments:?}: a line of bytes: {said}");
+    }
+}
+
+/// A title of nothing is none: the name of the file stands in its place.
+#[test]
+fn empty_title_is_the_name_of_the_file() {
+    let output = run("indoor", &["--json", "--set", "title="]);
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success() && result["title"] != "", "{}", stderr(&output));
+    let mut pixel = papilio();
+    pixel.arg("pixel").arg(scenario("indoor")).args(["--set", "title= "]);
+    let output = pixel.current_dir(tempfile::tempdir().unwrap().path()).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("indoor"), "{text}");
+}
+
 #[test]
 fn output_folder_that_cannot_be_created_exits_with_2() {
     let folder = tempfile::tempdir().unwrap();

@@ -12,9 +12,15 @@ pub fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, wha
 }
 
 /// Returns a question that suggests the `names` closest to `wrong`, all that are equally close, or `None` if
-/// none is close.
+/// none is close. Those that continue it after an underscore come first: `theta` lacks the unit of `theta_deg`.
 pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let names = all_nearest(wrong, names);
+    let names: Vec<&str> = names.into_iter().collect();
+    let begins_so = |name: &&&str| name.strip_prefix(wrong).is_some_and(|rest| rest.starts_with('_'));
+    let continued: Vec<&str> = names.iter().filter(begins_so).copied().collect();
+    let names = match continued.is_empty() || wrong.is_empty() {
+        true => all_nearest(wrong, names),
+        false => continued,
+    };
     let names: Vec<String> = names.iter().take(MOST_PROPOSED).map(|name| format!("`{name}`")).collect();
     let (last, others) = names.split_last()?;
     Some(match others {
@@ -88,6 +94,9 @@ mod tests {
             did_you_mean("FL13", illuminants).as_deref(),
             Some("did you mean `FL10`, `FL11` or `FL12`?")
         );
+        assert_eq!(did_you_mean("theta", names).as_deref(), Some("did you mean `theta_deg`?"));
+        assert_eq!(did_you_mean("thick", names), None, "no whole word");
+        assert_eq!(did_you_mean("", ["_a"]), None);
         assert_eq!((nearest("", names), nearest("", ["A"]), nearest("B", ["A"])), (None, None, None));
     }
 }
