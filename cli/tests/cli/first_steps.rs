@@ -144,7 +144,8 @@ fn completions_name_the_commands_for_every_shell() {
 fn manual_has_a_page_for_each_command_with_its_options() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    assert!(papilio_in(here, &["man", "--out", "share/man1"]).status.success());
+    let written = papilio_in(here, &["man", "--out", "share/man1"]);
+    assert!(written.status.success() && stderr(&written).contains("wrote share/man1: papilio.1 and "));
     let page = |name: &str| fs::read_to_string(here.join("share/man1").join(name)).unwrap();
     assert!(page("papilio.1").starts_with(".ie"), "roff");
     for command in ["run", "optimize", "sweep-merge", "diffuser-inspect", "man"] {
