@@ -12,7 +12,7 @@ use std::sync::Arc;
 use papilio_display::image::ImageNumbers;
 use papilio_formats::{DataFile, LARGEST_PICTURE_FILE, write_file, write_json};
 use papilio_scenario::{
-    ExampleDisplay, Library, MemoryFile, Resolved, Scenario, picture_scenario, picture_size,
+    ExampleDisplay, Library, MemoryFile, PICTURE_LIGHT, Resolved, Scenario, picture_scenario, picture_size,
 };
 use serde::{Deserialize, Serialize};
 
@@ -82,7 +82,8 @@ impl Shown<'_> {
     ) -> Result<Scenario, Failure> {
         let file = DataFile::open_within(Path::new(picture), picture, LARGEST_PICTURE_FILE);
         let [columns, rows] = file.and_then(picture_size).map_err(Failure::Data)?;
-        let text = picture_scenario(display, rows > columns)
+        let light = self.arguments.light.as_deref().unwrap_or(PICTURE_LIGHT);
+        let text = picture_scenario(display, light, rows > columns)
             .ok_or_else(|| Failure::Input(format!("--on: {} has no panel for pictures", display.name)))?;
         let file = |(name, content): &(&str, &str)| {
             let file = DataFile { name: (*name).to_owned(), bytes: content.as_bytes().to_vec() };

@@ -1,9 +1,9 @@
 //! Commands that depend on the places of pixels: sharpness, crosstalk, sparkle, pictures and palettes.
 
 use clap::Args;
-use clap::builder::TypedValueParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use papilio_display::image::ScreenSpace;
-use papilio_scenario::ExampleDisplay;
+use papilio_scenario::{ExampleDisplay, preset_names};
 
 use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of};
 
@@ -60,6 +60,9 @@ pub(crate) struct ImageCommand {
     /// Show the picture, which is then the only argument, on a usual panel in a living room, without a scenario file
     #[arg(long, value_name = "DISPLAY", value_parser = panels())]
     pub(crate) on: Option<ExampleDisplay>,
+    /// With --on: preset of the light and the viewer [default: living-room]
+    #[arg(long, value_name = "PRESET", requires = "on", value_parser = PossibleValuesParser::new(preset_names()))]
+    pub(crate) light: Option<String>,
     /// What is white in seen.png [default: white; with --on: display]
     #[arg(long, value_enum, value_name = "WHITE")]
     pub(crate) relative_to: Option<RelativeTo>,

@@ -141,6 +141,13 @@ fn pictures_are_shown_on_usual_panels() {
     let upright = json(&file, &["--on", "four-grey", "--rooms", "office"]);
     assert_eq!(upright["size"], serde_json::json!([480, 800]));
     assert_eq!(upright["rooms"][0]["room"], "office");
+    let office = json(&file, &["--on", "four-grey", "--light", "office"]);
+    assert_eq!(office["light"]["illuminance_lx"], upright["rooms"][0]["light"]["illuminance_lx"]);
+    assert_ne!(office["light"]["illuminance_lx"], upright["light"]["illuminance_lx"]);
+    let alone = image(&scenario("six-ink"), &["--light", "office"]);
+    assert!(stderr(&alone).contains("--on"), "{}", stderr(&alone));
+    let unknown = image(&file, &["--on", "four-grey", "--light", "ofice"]);
+    assert!(stderr(&unknown).contains("similar value exists: 'office'"), "{}", stderr(&unknown));
     // A flat grey above the panel's black: tone leaves it, four greys have no layers above them.
     let losses = &upright["losses"];
     assert!(losses["tone"].as_f64().unwrap() < 0.5 && losses["layers"].as_f64().unwrap() < 1e-3, "{losses}");

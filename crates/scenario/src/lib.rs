@@ -108,7 +108,9 @@ pub use papilio_diagnostics::{Diagnostic, nearest};
 pub use papilio_display::{Label, labelled_names};
 pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
-pub use preset::{ExampleDisplay, UsedPreset, new_scenario, new_scenario_of, picture_scenario, preset_names};
+pub use preset::{
+    ExampleDisplay, PICTURE_LIGHT, UsedPreset, new_scenario, new_scenario_of, picture_scenario, preset_names,
+};
 pub use resolve::LayerSurface;
 pub use resolve::PanelCodes;
 pub use resolve::VirtualMeasurement;

@@ -183,18 +183,21 @@ pub fn new_scenario_of(display: ExampleDisplay, light: &str) -> Option<String> {
     Some(format!("{about}\n\ntitle = \"{}, {light}\"\n\n{keys}\n{}", display.name, display.text))
 }
 
-/// Returns a complete scenario of a picture on a usual panel of this kind, upright or lying, in a living room; `None` if the display
+/// The light in which a usual panel shows a picture, unless another is requested.
+pub const PICTURE_LIGHT: &str = "living-room";
+
+/// Returns a complete scenario of a picture on a usual panel of this kind, upright or lying, in the light of a preset; `None` if the display
 /// has no panel. The picture is cut to its size about the middle. The scenario may name [files](ExampleDisplay::files).
 ///
 /// ```
-/// use papilio_scenario::{ExampleDisplay, picture_scenario};
+/// use papilio_scenario::{ExampleDisplay, PICTURE_LIGHT, picture_scenario};
 /// let inks = ExampleDisplay::named("six-ink").unwrap();
-/// assert!(picture_scenario(inks, true).unwrap().contains("pixels = [480, 800]"));
+/// assert!(picture_scenario(inks, PICTURE_LIGHT, true).unwrap().contains("pixels = [480, 800]"));
 /// ```
-pub fn picture_scenario(display: ExampleDisplay, is_upright: bool) -> Option<String> {
+pub fn picture_scenario(display: ExampleDisplay, light: &str, is_upright: bool) -> Option<String> {
     let ExamplePanel { pixels: [longer, shorter], ppi } = display.panel?;
     let [columns, rows] = if is_upright { [shorter, longer] } else { [longer, shorter] };
-    let scenario = new_scenario_of(display, "living-room")?;
+    let scenario = new_scenario_of(display, light)?;
     Some(format!(
         "{scenario}\n[display.matrix]\nppi = {ppi}\npixels = [{columns}, {rows}]\n\n[image]\nfit = \"cover\"\n"
     ))
