@@ -21,7 +21,7 @@ pub(crate) fn mtf(arguments: &SolvedSpatially) -> Result<(), Failure> {
 
 impl SpatialOutput for MtfResult {
     const JSON: &'static str = "mtf.json";
-    const FIGURES: &'static [&'static str] = &["mtf", "edges", "kernel_"];
+    const FIGURES: &'static [&'static str] = &["mtf", "edges", "kernel-", "kernel_"];
 
     fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
         with_scenario(resolved, self)

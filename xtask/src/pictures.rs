@@ -40,7 +40,7 @@ const PICTURES: [Picture; 32] = [
         &["tolerance_gamut_percent_srgb.svg", "tolerance_sensitivities.svg"],
         "",
     ),
-    (&["mtf"], "double-image.toml", &["kernel_white.svg"], "double-image-"),
+    (&["mtf"], "double-image.toml", &["kernel-white.svg"], "double-image-"),
     (&["mtf"], "laminated-text.toml", &["edges.svg"], "laminated-text-"),
     (&["crosstalk"], "matrix.toml", &["crosstalk.svg"], ""),
     (

@@ -43,6 +43,9 @@ fn a_surface_is_measured() {
             "{name} depends on threads"
         );
     }
+    for (name, axis) in [("totals.svg", ">Light (%)<"), ("psd.svg", ">Frequency (cycles per μm)<")] {
+        assert!(fs::read_to_string(one.join(name)).unwrap().contains(axis), "{name}");
+    }
     let totals = fs::read_to_string(one.join("totals.csv")).unwrap();
     assert!(totals.starts_with(
         "from,theta_deg,reflected,reflected_beyond,transmitted,transmitted_beyond,regular_reflected,"

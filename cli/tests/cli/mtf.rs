@@ -24,9 +24,9 @@ fn mtf_writes_its_files() {
     let expected = [
         "edges.svg",
         "kernel-black.npy",
+        "kernel-black.svg",
         "kernel-white.npy",
-        "kernel_black.svg",
-        "kernel_white.svg",
+        "kernel-white.svg",
         "mtf.csv",
         "mtf.json",
         "mtf.svg",

@@ -33,6 +33,9 @@ fn files_and_figures_are_written() {
         .unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(names(folder.path()), ["ppd.svg", "sparkle.csv", "sparkle.json", "sparkle.svg"]);
+    let figure = fs::read_to_string(folder.path().join("ppd.svg")).unwrap();
+    // Two rows as circles, and one in the legend.
+    assert_eq!(figure.matches("<circle").count(), 3, "{figure}");
     let csv = fs::read_to_string(folder.path().join("sparkle.csv")).unwrap();
     assert!(csv.starts_with("theta_deg,phi_deg,gap_mm,correlation_um,slope_rms,ppd,"), "{csv}");
     assert_eq!(csv.lines().count(), 3);

@@ -90,7 +90,7 @@ pub struct ConeView {
 /// Drive state viewed from one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeState {
-    /// Luminous reflectance factor (1: a perfect white in the same light); NaN where the diffuser was not
+    /// Luminance factor (1: a perfect white in the same light); NaN where the diffuser was not
     /// measured.
     pub reflectance_factor_y: f64,
     /// Luminance, cd/m2; NaN where the diffuser was not measured.

@@ -209,7 +209,7 @@ impl Flux {
     }
 }
 
-/// Luminous reflectance factors and their errors, times a factor.
+/// Luminance factors and their errors, times a factor.
 fn luminous(result: &RunResult, factor: f64) -> Vec<[f64; 2]> {
     let Some(view) = result.views.first() else { return Vec::new() };
     let error = |state: &State| match &state.discretisation_error {

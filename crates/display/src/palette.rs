@@ -67,7 +67,7 @@ pub struct PaletteColour {
     pub state: String,
     /// Tristimulus value relative to a perfect white in the light.
     pub X: f64,
-    /// Tristimulus value: the luminous reflectance factor.
+    /// Tristimulus value: the luminance factor.
     pub Y: f64,
     /// Tristimulus value.
     pub Z: f64,

@@ -183,7 +183,7 @@ pub struct StateValues {
     pub reflectance_factor: Option<Vec<f64>>,
     /// Relative tristimulus value.
     pub X: f64,
-    /// Relative tristimulus value: the luminous reflectance factor.
+    /// Relative tristimulus value: the luminance factor.
     pub Y: f64,
     /// Relative tristimulus value.
     pub Z: f64,
@@ -224,12 +224,12 @@ pub struct StateValues {
     /// Colour appearance, if `metrics.appearance` is specified.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam16: Option<Cam16>,
-    /// Luminous reflectance factor under the diffuse light alone, including front reflection (Feng 2012,
+    /// Luminance factor under the diffuse light alone, including front reflection (Feng 2012,
     /// eq. 3-1); null without diffuse light.
     pub R_hemi: Option<f64>,
-    /// Luminous reflectance factor under each directed source alone.
+    /// Luminance factor under each directed source alone.
     pub R_dir: Vec<Option<f64>>,
-    /// Luminous reflectance factor under each environment alone.
+    /// Luminance factor under each environment alone.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub R_environment: Vec<Option<f64>>,
     /// Reflectance factors under each light alone, if `metrics.spectra_by_light` is set.

@@ -67,7 +67,7 @@ fn draw_curve(svg: &mut Svg, axes: &Panel, curve: &ErrorCurve) -> Option<EndLabe
     svg.polyline(&line, &stroke);
     let fill = if curve.dashed { "#ffffff" } else { colour };
     line.iter().for_each(|point| svg.circle(*point, 3.2, fill, &Stroke::solid(colour, 1.4)));
-    line.last().map(|end| EndLabel { end: *end, text: curve.name.clone(), stroke })
+    line.last().map(|end| EndLabel { end: *end, text: curve.name.clone(), stroke, marks: false })
 }
 
 fn group_colour(group: usize) -> &'static str {

@@ -11,7 +11,7 @@ use crate::svg::{Point, Stroke, Svg, finite};
 /// A quantity drawn against the viewing angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleMetric {
-    /// Luminous reflectance factor Y of every state.
+    /// Luminance factor Y of every state.
     Reflectance,
     /// Contrast ratio: Y of white over Y of black.
     Contrast,
@@ -41,7 +41,7 @@ impl AngleMetric {
 
     fn title(self) -> &'static str {
         match self {
-            Self::Reflectance => "Luminous reflectance factor Y",
+            Self::Reflectance => "Luminance factor Y",
             Self::Contrast => "Contrast ratio",
             Self::Gamut => "Gamut area (% of)",
             Self::ColourShift => "Colour shift \u{394}u\u{2032}v\u{2032}",
@@ -144,7 +144,7 @@ fn draw(svg: &mut Svg, panel: &Panel, series: &[Series], metric: AngleMetric) {
         }
         barred |= panel.error_bars(svg, &one.column(0), &one.column(1), &one.column(2), &one.stroke);
         let (end, reaches_last_angle) = end_of(points, &pieces);
-        let label = EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone() };
+        let label = EndLabel { end, text: one.name.clone(), stroke: one.stroke.clone(), marks: false };
         if reaches_last_angle {
             outside.push(label)
         } else {

@@ -96,7 +96,7 @@ pub fn chart(chart: &Chart, title: &str) -> String {
             continue;
         }
         let Some(end) = line.iter().rev().copied().find(|point| finite(*point)) else { continue };
-        let label = EndLabel { end, text: curve.name.clone(), stroke };
+        let label = EndLabel { end, text: curve.name.clone(), stroke, marks: curve.marks };
         if (end.0 - panel.right()).abs() < 2.0 { outside.push(label) } else { inside.push(label) }
     }
     end_labels(&mut svg, &panel, outside);

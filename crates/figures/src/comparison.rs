@@ -85,7 +85,7 @@ pub fn compared_spectra(all: &Comparison, view: &ViewComparison, title: &str) ->
         let measured = panel.points(&one.wavelength_nm, &one.measured);
         svg.polyline(&measured, &stroke.clone().dashed(MEASURED));
         if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
-            labels.push(EndLabel { end, text: (*name).clone(), stroke });
+            labels.push(EndLabel { end, text: (*name).clone(), stroke, marks: false });
         }
     }
     end_labels(&mut svg, &panel, labels);

@@ -98,7 +98,7 @@ fn each(result: &ConeResult) -> Vec<StateMaps> {
     let y = |state: &ConeState| state.reflectance_factor_y;
     let states = result.states.len();
     let scale = Scale::of(result, &values_of(result, y), states, |values| sequential(values, WIDE_TOGETHER));
-    let mut each = vec![StateMaps { title: "Luminous reflectance factor Y", value: y, scale }];
+    let mut each = vec![StateMaps { title: "Luminance factor Y", value: y, scale }];
     let shift = |state: &ConeState| state.uv_shift.unwrap_or(f64::NAN);
     let shifts = values_of(result, shift);
     if any_visible(&shifts) {

@@ -83,7 +83,7 @@ fn drawn(
         let points = panel.points(&one.wavelength_nm, &values);
         svg.polyline(&points, &stroke);
         if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
-            labels.push(EndLabel { end, text: one.name.clone(), stroke });
+            labels.push(EndLabel { end, text: one.name.clone(), stroke, marks: false });
         }
     }
     end_labels(&mut svg, &panel, labels);

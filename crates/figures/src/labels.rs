@@ -21,6 +21,8 @@ pub(crate) struct EndLabel {
     pub(crate) text: String,
     /// Line style of the curve.
     pub(crate) stroke: Stroke,
+    /// Whether the curve is drawn as points.
+    pub(crate) marks: bool,
 }
 
 /// Draws the labels to the right of a panel, at heights such that they do not overlap.
@@ -42,7 +44,11 @@ pub(crate) fn end_labels(svg: &mut Svg, panel: &Panel, mut labels: Vec<EndLabel>
         if !crowded {
             svg.line((label.end.0 + 3.0, label.end.1), (to, height), &Stroke::solid(SOFT, 0.8));
         }
-        svg.line((to, height), (to + 22.0, height), &label.stroke);
+        if label.marks {
+            svg.circle((to + 11.0, height), 2.4, "#ffffff", &label.stroke);
+        } else {
+            svg.line((to, height), (to + 22.0, height), &label.stroke);
+        }
         svg.text((to + 27.0, height + 4.0), &shortened(&label.text, MAX_WIDTH, SMALL), Text::new(SMALL, INK));
     }
 }

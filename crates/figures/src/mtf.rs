@@ -37,7 +37,7 @@ pub fn of_mtf(result: &MtfResult, title: &str) -> Vec<(String, String)> {
             all.push((format!("edges{at}"), edges(result, view, &caption)));
         }
         for (name, state) in with_places {
-            all.push((format!("kernel_{name}{at}"), kernel(result, name, state, &caption)));
+            all.push((format!("kernel-{name}{at}"), kernel(result, name, state, &caption)));
         }
     }
     all
@@ -92,7 +92,7 @@ fn transfer(result: &MtfResult, view: &MtfView, title: &str) -> String {
             let stroke = state_stroke(name, number);
             svg.polyline(&points, &stroke);
             let end = points.last().copied().unwrap_or((f64::NAN, f64::NAN));
-            labels.push(EndLabel { end, text: name.to_owned(), stroke });
+            labels.push(EndLabel { end, text: name.to_owned(), stroke, marks: false });
         }
         (panel, labels)
     })
@@ -134,7 +134,7 @@ fn edges(result: &MtfResult, view: &MtfView, title: &str) -> String {
             let stroke = state_stroke(name, number);
             svg.polyline(&points, &stroke);
             let end = points.last().copied().unwrap_or((f64::NAN, f64::NAN));
-            labels.push(EndLabel { end, text: name.to_owned(), stroke });
+            labels.push(EndLabel { end, text: name.to_owned(), stroke, marks: false });
         }
         (panel, labels)
     })

@@ -42,7 +42,7 @@ pub fn spectra_over(variants: &[(&str, &RunResult)], title: &str) -> String {
             let points = panel.points(&result.wavelength_nm, &spectrum(view, name));
             svg.polyline(&points, &stroke);
             if let (0, Some(&end)) = (k, points.iter().rev().find(|point| point.1.is_finite())) {
-                labels.push(EndLabel { end, text: (*name).to_owned(), stroke });
+                labels.push(EndLabel { end, text: (*name).to_owned(), stroke, marks: false });
             }
         }
     }

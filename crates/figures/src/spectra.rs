@@ -34,7 +34,7 @@ pub(crate) fn draw(svg: &mut Svg, result: &RunResult, view: &View, origin: Point
         let points = panel.points(nm, &values);
         svg.polyline(&points, &stroke);
         if let Some(&end) = points.iter().rev().find(|point| point.1.is_finite()) {
-            labels.push(EndLabel { end, text: name.to_owned(), stroke });
+            labels.push(EndLabel { end, text: name.to_owned(), stroke, marks: false });
         }
     }
     if banded {

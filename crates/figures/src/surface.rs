@@ -49,8 +49,8 @@ fn azimuths_figure(title: &str, kernel: &AzimuthKernel) -> String {
     ];
     curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
     let all = Chart {
-        x: "azimuth to which light along the normal goes (deg)".to_owned(),
-        y: format!("light in steps of {} deg (%)", 360.0 / count as f64),
+        x: "Azimuth to which light along the normal goes (deg)".to_owned(),
+        y: format!("Light in steps of {} deg (%)", 360.0 / count as f64),
         logarithmic: false,
         at_least: vec![0.0],
         curves,
@@ -64,13 +64,19 @@ fn psd_figure(title: &str, statistics: &Statistics) -> String {
     let largest = statistics.density.iter().map(|[_, density]| *density).fold(0.0, f64::max);
     let known = statistics.density.iter().filter(|[_, density]| *density > 1e-15 * largest);
     let points = known.map(|[frequency, density]| (*frequency, *density)).collect();
-    one_curve(title, "frequency (cycles per um)", "power spectral density (um\u{2074})", true, points)
+    one_curve(title, "Frequency (cycles per μm)", "Power spectral density (μm\u{2074})", true, points)
 }
 
 /// What a cut-off of the instrument leaves of the slopes, which decide where rays go.
 fn cutoff_figure(title: &str, statistics: &Statistics) -> String {
     let points = statistics.by_cutoff.iter().map(|[cutoff, _, slope]| (*cutoff, *slope)).collect();
-    one_curve(title, "cut-off of short wavelengths (um)", "rms slope of what remains", false, points)
+    one_curve(
+        title,
+        "Cut-off of short wavelengths (μm)",
+        "Root mean square slope of what remains",
+        false,
+        points,
+    )
 }
 
 fn one_curve(title: &str, x: &str, y: &str, logarithmic: bool, points: Vec<(f64, f64)>) -> String {
@@ -87,8 +93,8 @@ fn waves_figure(title: &str, waves: &ByWaves) -> String {
         percent_curve(name, hue, waves.along_normal().map(point).collect())
     };
     let all = Chart {
-        x: "wavelength (nm)".to_owned(),
-        y: "light along the normal (%)".to_owned(),
+        x: "Wavelength (nm)".to_owned(),
+        y: "Light along the normal (%)".to_owned(),
         logarithmic: false,
         at_least: vec![0.0, 100.0],
         curves: vec![
@@ -128,8 +134,8 @@ fn oblique_figure(title: &str, waves: &ByWaves, rays: Option<&ByRays>) -> Option
     }
     curves.retain(|curve| !curve.points.is_empty());
     let all = Chart {
-        x: "inclination of the light above (deg)".to_owned(),
-        y: format!("light of {nm} nm (%)"),
+        x: "Inclination of the light above (deg)".to_owned(),
+        y: format!("Light of {nm} nm (%)"),
         logarithmic: false,
         at_least: vec![0.0, 100.0],
         curves,
@@ -171,8 +177,8 @@ fn totals_figure(title: &str, totals: &[Total]) -> String {
     // index.
     curves.retain(|curve| curve.points.iter().any(|(_, light)| *light > 0.0));
     let all = Chart {
-        x: "inclination of the light in its medium (deg)".to_owned(),
-        y: "light (%)".to_owned(),
+        x: "Inclination of the light in its medium (deg)".to_owned(),
+        y: "Light (%)".to_owned(),
         logarithmic: false,
         at_least: vec![0.0, 100.0],
         curves,

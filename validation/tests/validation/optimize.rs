@@ -31,7 +31,7 @@ fn search(overrides: &[String]) -> (Arc<Search>, Vec<SearchResult>, SelectedDesi
 /// Sufficient effort to find the better pixel, starting with the design of the scenario.
 const FEW: [&str; 2] = ["optimize.starts=3", "optimize.evaluations=900"];
 
-/// Returns gamut, luminous reflectance factor of white, and contrast.
+/// Returns gamut, luminance factor of white, and contrast.
 fn worth(chosen: &SelectedDesign) -> [f64; 3] {
     [0, 1, 2].map(|at| chosen.values[at].unwrap())
 }

@@ -32,7 +32,7 @@ const FAMILIES: [(&str, &str); 19] = [
         "reading_surrogate_age_{20,50,75}",
         "Reading performance of a reader of this age in years, 0 to 1: a surrogate calibrated on Feng 2012, table 5.3; null outside its range.",
     ),
-    ("{X,Y,Z}", "Relative tristimulus values; Y is the luminous reflectance factor."),
+    ("{X,Y,Z}", "Relative tristimulus values; Y is the luminance factor."),
     ("{x,y}", "CIE 1931 chromaticity."),
     ("{u,v}_prime", "CIE 1976 u', v'."),
     ("{a,b}_star", "CIELAB a*, b*."),

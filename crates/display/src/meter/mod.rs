@@ -434,7 +434,7 @@ impl<'a> Meter<'a> {
         self.setup.states.iter().position(|state| state == name)
     }
 
-    /// Returns the luminous reflectance factor under the diffuse light alone; `None` without diffuse light.
+    /// Returns the luminance factor under the diffuse light alone; `None` without diffuse light.
     pub(crate) fn under_diffuse(&self, state: usize, sample: &Sample) -> Option<f64> {
         (self.luminous[0] > 0.0).then(|| sample.0[self.layout.alone(state)][0])
     }

@@ -104,7 +104,7 @@ impl Layout {
         self.terms(state).end
     }
 
-    /// Luminous reflectance factor under each light alone.
+    /// Luminance factor under each light alone.
     pub(crate) fn alone(&self, state: usize) -> Range<usize> {
         let start = self.front_term(state) + 1;
         start..start + self.terms

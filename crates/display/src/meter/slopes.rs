@@ -21,7 +21,7 @@ pub(crate) struct Slopes {
     pub(crate) peak_nm: Vec<f64>,
     /// With respect to the reflectance factor, `[state][wavelength]`.
     pub(crate) factor: Vec<f64>,
-    /// With respect to the luminous reflectance factor under the diffuse light alone.
+    /// With respect to the luminance factor under the diffuse light alone.
     pub(crate) diffuse: Vec<f64>,
 }
 

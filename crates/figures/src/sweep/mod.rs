@@ -79,7 +79,7 @@ pub fn sweep_curves(figure: &SweepFigure, title: &str) -> String {
         // The label is at the largest x, in whatever order it was swept.
         let end = line.iter().copied().filter(|p| finite(*p)).max_by(|a, b| a.0.total_cmp(&b.0));
         let (Some(end), Some(name), true) = (end, names.get(i), figure.y.is_some()) else { continue };
-        let label = EndLabel { end, text: name.clone(), stroke };
+        let label = EndLabel { end, text: name.clone(), stroke, marks: false };
         let last = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if (end.0 - panel.at(last, panel.y.min()).0).abs() < 0.5 {
             outside.push(label)

@@ -19,7 +19,7 @@ fn cone_is_drawn_as_labelled_maps() {
             "Luminance of white (cd/m\u{b2})",
             "Contrast ratio",
             "Gamut area",
-            "Luminous reflectance factor Y",
+            "Luminance factor Y",
             "Colour shift",
             "270\u{b0}",
             "60\u{b0}",

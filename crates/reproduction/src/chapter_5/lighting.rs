@@ -17,7 +17,7 @@ type Metric = (&'static str, fn(&View) -> f64);
 const METRICS: [Metric; 3] = [
     ("Contrast ratio", |view| view.metrics.contrast_ratio.unwrap_or(f64::NAN)),
     ("Gamut (% of sRGB)", |view| view.metrics.gamut_percent_srgb.unwrap_or(f64::NAN)),
-    ("White: luminous reflectance factor", |view| of(view, "white", |v| Some(v.Y))),
+    ("White: luminance factor", |view| of(view, "white", |v| Some(v.Y))),
 ];
 
 /// Figure 5.14.
