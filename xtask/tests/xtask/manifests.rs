@@ -66,10 +66,12 @@ pub(crate) fn public() -> Vec<Manifest> {
 /// Packages with the features that a selection of the workspace compiles, without those of default features.
 fn features(selection: &[&str]) -> BTreeSet<String> {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["tree", "--locked", "--no-default-features", "--prefix", "none", "--no-dedupe"]);
+    cargo.args(["tree", "--locked", "--no-default-features", "--prefix", "none"]);
     let output = cargo.args(["--format", "{p} {f}"]).args(selection).current_dir(root()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect()
+    let text = String::from_utf8(output.stdout).unwrap();
+    // The mark of a package whose dependencies stand above; each of them repeated would be a million lines.
+    text.lines().map(|line| line.trim_end_matches("(*)").trim_end().to_owned()).collect()
 }
 
 /// Otherwise the daily checks compile or check the packages that differ, and all above them, twice: the
