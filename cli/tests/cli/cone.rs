@@ -110,6 +110,7 @@ fn killed_tables_and_maps_are_resumed() {
         // The head, and rows.
         while fs::read_to_string(&journal).map_or(0, |text| text.lines().count()) < 4 {
             assert!(child.try_wait().unwrap().is_none(), "{command:?}: no row was saved");
+            std::thread::sleep(std::time::Duration::from_millis(1));
         }
         child.kill().unwrap();
         child.wait().unwrap();
