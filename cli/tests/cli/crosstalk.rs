@@ -110,9 +110,8 @@ fn paths_compute_what_adding_refuses() {
     let view = &result["views"][0];
     assert_eq!(result["scenario"]["solver"]["method"], "monte-carlo");
     // The colours of the display, too.
-    let mut colours = papilio();
-    let colours = colours.arg("run").arg(scenario("printed-filter")).args(paths).args(coarse);
-    let colours = colours.output().unwrap();
+    let colours =
+        papilio().arg("run").arg(scenario("printed-filter")).args(paths).arg("--json").output().unwrap();
     assert!(colours.status.success(), "{}", stderr(&colours));
     assert!(view["error"].as_f64().is_some_and(|error| error > 1e-4 && error < 0.1), "{view}");
     assert!(view["patterns"][3]["contrast_ratio"].is_f64(), "{view}");
