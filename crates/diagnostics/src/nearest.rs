@@ -12,14 +12,14 @@ pub fn suggestion<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, wha
 }
 
 /// Returns a question that suggests the `names` closest to `wrong`, all that are equally close, or `None` if
-/// none is close. Those that continue it after an underscore come first: `theta` lacks the unit of `theta_deg`.
+/// none is close. A few that continue it after an underscore come first: `theta` lacks the unit of `theta_deg`.
 pub fn did_you_mean<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let names: Vec<&str> = names.into_iter().collect();
     let begins_so = |name: &&&str| name.strip_prefix(wrong).is_some_and(|rest| rest.starts_with('_'));
     let continued: Vec<&str> = names.iter().filter(begins_so).copied().collect();
-    let names = match continued.is_empty() || wrong.is_empty() {
-        true => all_nearest(wrong, names),
-        false => continued,
+    let names = match (1..=MOST_PROPOSED).contains(&continued.len()) && !wrong.is_empty() {
+        true => continued,
+        false => all_nearest(wrong, names),
     };
     let names: Vec<String> = names.iter().take(MOST_PROPOSED).map(|name| format!("`{name}`")).collect();
     let (last, others) = names.split_last()?;

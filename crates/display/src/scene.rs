@@ -129,7 +129,7 @@ impl Display {
         self.layers.iter().all(|layer| layer.interface.is_flat() && layer.medium.scattering.is_none())
     }
 
-    /// Returns whether the last interface or medium above the pixel scatters: no flat one returns light to it.
+    /// Returns whether the last interface or medium above the pixel scatters: what a flat one above that returns to it counts as unpolarised.
     pub fn scatters_above_pixel(&self) -> bool {
         let scatters = |layer: &Layer| !layer.interface.is_flat() || layer.medium.scattering.is_some();
         self.layers.last().is_some_and(scatters)

@@ -8,7 +8,7 @@
 //! | [`read_light_map`] | Radiance pictures and OpenEXR maps of the whole sphere (detected from the content) |
 //! | [`read_luminaire`] | luminaires, IES LM-63 (types A, B and C) and EULUMDAT |
 //! | [`read_index`] | a table of n and k or of a permittivity, or a refractiveindex.info page (detected from the content) |
-//! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance |
+//! | [`read_pixel_table`] | `pixel.csv`: state, angle, wavelength, reflectance, and perhaps azimuth |
 //! | [`read_director`] | directors of a liquid crystal: depth, tilt, twist |
 //! | [`read_polariser`] | both polarisations of a polariser by wavelength |
 //! | [`read_windows`] | rectangles of sub-pixels: name, x0, y0, x1, y1 |

@@ -241,7 +241,7 @@ mod tests {
         for (text, place, words) in [
             ("metric,value\ncontrast_rato,12\n", (2, 1), "did you mean `contrast_ratio`?"),
             ("metric,value\nhue,12\n", (2, 1), "docs/metric-names.md lists all metrics"),
-            ("metric,value\nreading,12\n", (2, 1), "did you mean reading_surrogate_age_20 or"),
+            ("metric,value\nreading,12\n", (2, 1), "did you mean `reading_surrogate_age_20`"),
             (
                 "metric,value\ngamut,12\n",
                 (2, 1),

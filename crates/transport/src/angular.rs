@@ -217,20 +217,49 @@ impl AngularTable {
         self.reflectance_mixed(&self.mixture, beta_squared, medium, out);
     }
 
-    /// Computes the same for light that leaves towards `beta`, with its azimuth. Between the azimuths of measured values, harmonics may exceed
-    /// 0 to 1: reflectances never do.
+    /// Computes the same for light that leaves towards `beta`, with its azimuth.
     pub fn reflectance_towards(&self, beta: Beta, medium: &Medium, out: &mut [f64]) {
         let Nodes::Azimuthal(_, harmonics) = self.nodes else {
             return self.reflectance(beta.squared(), medium, out);
         };
-        let turn = 2.0 * beta.y.atan2(beta.x);
-        let count = self.basis_count();
-        // Each harmonic has the share of the mean.
-        let share =
-            |k: usize, basis: usize| self.mixture[k - basis % harmonics] * harmonic(basis % harmonics, turn);
-        let mixture: Vec<f64> = (0..self.mixture.len()).map(|k| share(k, k % count)).collect();
-        self.reflectance_mixed(&mixture, beta.squared(), medium, out);
-        out.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+        let (turn, squared) = (2.0 * beta.y.atan2(beta.x), beta.squared());
+        let waves: Vec<f64> = (0..harmonics).map(|k| harmonic(k, turn)).collect();
+        let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
+        let (mut basis, mut weights) = (vec![0.0; width], vec![0.0; harmonics]);
+        let mut add = |stencil: &Stencil, bins: std::ops::Range<usize>| {
+            let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
+            for (node, of_node) in nodes.filter(|(_, weight)| *weight != 0.0) {
+                weights.iter_mut().zip(&waves).for_each(|(weight, wave)| *weight = of_node * wave);
+                self.add_harmonics(node, &weights, bins.clone(), &mut basis);
+            }
+        };
+        match medium.constant_index() {
+            Some(index) => add(&self.nodes.stencil(squared, index), 0..bins),
+            None => {
+                (0..bins).for_each(|bin| add(&self.nodes.stencil(squared, medium.index()[bin]), bin..bin + 1))
+            }
+        }
+        with_widest_simd(
+            #[inline(always)]
+            || mix((&self.mixture, &self.common), &basis, 1.0, out),
+        );
+    }
+
+    /// Adds the harmonics of each reflectance at a node, with these weights, to its mean, at some of the wavelengths.
+    fn add_harmonics(&self, node: usize, weights: &[f64], range: std::ops::Range<usize>, basis: &mut [f64]) {
+        let (bins, width) = (self.common.len(), basis.len());
+        let row = &self.basis[node * width..][..width];
+        let of_each = weights.len() * bins;
+        for (values, sums) in row.chunks_exact(of_each).zip(basis.chunks_exact_mut(of_each)) {
+            if range.len() == bins {
+                add_rows(&mut sums[..bins], values, weights);
+                continue;
+            }
+            for bin in range.clone() {
+                let terms = weights.iter().enumerate();
+                sums[bin] += terms.map(|(k, weight)| weight * values[k * bins + bin]).sum::<f64>();
+            }
+        }
     }
 
     fn reflectance_mixed(&self, mixture: &[f64], beta_squared: f64, medium: &Medium, out: &mut [f64]) {
@@ -308,11 +337,9 @@ impl AngularTable {
     pub(crate) fn sum_of(&self, weights: &[f64]) -> Vec<f64> {
         let (harmonics, bins, count) = (self.harmonics(), self.common.len(), self.basis_count());
         let mut basis = vec![0.0; count * bins];
-        let rows = self.basis.chunks_exact(count * bins).zip(weights.chunks_exact(harmonics));
-        for (row, weights) in rows.filter(|(_, weights)| weights.iter().any(|weight| *weight != 0.0)) {
-            // All harmonics of a reflectance belong to its mean.
-            let of_states = row.chunks_exact(harmonics * bins).zip(basis.chunks_exact_mut(harmonics * bins));
-            of_states.for_each(|(values, sums)| add_rows(&mut sums[..bins], values, weights));
+        let nodes = weights.chunks_exact(harmonics).take(self.nodes.count()).enumerate();
+        for (node, weights) in nodes.filter(|(_, weights)| weights.iter().any(|weight| *weight != 0.0)) {
+            self.add_harmonics(node, weights, 0..bins, &mut basis);
         }
         let total: f64 = weights.iter().step_by(harmonics).sum();
         let mut out = vec![0.0; self.state_count() * bins];
@@ -390,7 +417,7 @@ impl AngularTable {
 }
 
 /// Harmonic number `k` of twice the azimuth, `turn`: 1, cos, sin, cos of twice that, ...
-fn harmonic(k: usize, turn: f64) -> f64 {
+pub(crate) fn harmonic(k: usize, turn: f64) -> f64 {
     let (sin, cos) = (k.div_ceil(2) as f64 * turn).sin_cos();
     if k.is_multiple_of(2) && k > 0 { sin } else { cos }
 }
@@ -488,7 +515,7 @@ mod tests {
         assert_eq!((beyond.first, beyond.weights[0], beyond.weights[1]), (1, 0.0, 1.0));
     }
 
-    /// Two states over angles in air, with harmonics up to 4 phi: linear between the angles, and never below 0 or above 1.
+    /// Two states over angles in air, with harmonics up to 4 phi: linear between the angles.
     #[test]
     fn harmonics_of_the_azimuth_are_interpolated_over_angles() {
         let of = |state: usize, node: usize| [0.5 - 0.3 * state as f64, 0.2 * node as f64, 0.1, 0.0, 0.3];
@@ -511,7 +538,7 @@ mod tests {
                 let swing = 0.2 * theta.min(1.0) * (2.0 * phi).cos()
                     + 0.1 * (2.0 * phi).sin()
                     + 0.3 * (4.0 * phi).sin();
-                let expected = (0.5 - 0.3 * state as f64 + swing).clamp(0.0, 1.0);
+                let expected = 0.5 - 0.3 * state as f64 + swing;
                 assert!((found - expected).abs() < 1e-12, "{theta} {phi}: {found} {expected}");
             }
             let mut mean = [0.0; 2];

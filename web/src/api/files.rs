@@ -250,7 +250,8 @@ fn map(file: &DataFile) -> Result<Contents, Fault> {
 }
 
 fn pixel(file: &DataFile) -> Result<Contents, Fault> {
-    let table = read_pixel_over_half_turn(file)?.value;
+    let read = read_pixel_over_half_turn(file)?;
+    let table = read.value;
     let states: Vec<String> = table.states.iter().map(|(name, _)| name.clone()).collect();
     let (theta, nm) = (&table.theta_deg, &table.wavelength_nm);
     let ends = |values: &[f64]| [values.first(), values.last()].map(|end| end.copied().unwrap_or_default());
@@ -269,6 +270,7 @@ fn pixel(file: &DataFile) -> Result<Contents, Fault> {
             "{azimuths} azimuths in steps of {step} deg over half a turn; the figure shows the first"
         ));
     }
+    words.extend(read.warnings);
     let (bins, of_angle) = (nm.len().max(1), azimuths.max(1));
     let rows = table.states.iter().flat_map(|(_, values)| values.chunks(bins).step_by(of_angle));
     let reflectance: Vec<f64> = rows.flatten().copied().collect();

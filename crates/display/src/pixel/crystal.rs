@@ -42,16 +42,16 @@ const STEEP_IN_GLASS: f64 = 0.9;
 
 /// Error: a colour filter above the pixel, below flat layers alone.
 pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
-    what: "a display with a colour filter below flat layers alone",
+    what: "a display with a colour filter below a flat face",
     key: "display.matrix.filter",
-    hint: "lay a diffuser with its reflection on it, as products have, or remove the filter",
+    hint: "lay a diffuser on the glass, as products have, or remove the filter",
 };
 
 /// Error: a scatterer above the pixel, by adding.
 pub(crate) const AZIMUTH_BELOW_SCATTERER: DisplayError = DisplayError::Azimuth {
     what: "adding below these scatterers and in this light",
     key: "solver.method",
-    hint: "adding knows one diffuser, given by its lobe, on clear glass; \"monte-carlo\" knows all",
+    hint: "\"monte-carlo\" does, by `papilio run` and `sweep`; adding knows one diffuser given by its lobe, which sends no image back, on clear glass of one index",
 };
 
 /// A pixel on the wavelengths of a scene.
@@ -273,7 +273,7 @@ pub(super) struct Seen<'a> {
     pub(super) is_bare: bool,
     /// Below a colour filter, with flat layers alone above it.
     pub(super) is_filtered: bool,
-    /// Light is computed by adding, which knows no azimuth below scatterers without a filter.
+    /// Light is computed by adding, without a filter and below more than one layer: it knows no azimuth there.
     pub(super) by_adding: bool,
     pub(super) unrefracted: bool,
     /// Whether the polarisation of light is followed, and whether anything but the pixel and the face is polarised.

@@ -170,8 +170,10 @@ fn estimated(run: &Run<'_>, longest_pilot: impl Fn(Option<f64>) -> f64) -> Resul
 /// Estimates the work of adding, in seconds, at the level that the target is expected to need.
 fn adding(setup: &Setup, target: f64) -> Result<f64, DisplayError> {
     super::refine::finest(setup)?;
-    if let Some(seconds) = super::refine::azimuthal_work(setup) {
-        return Ok(seconds);
+    if !setup.stack.adding_knows_azimuth()
+        && let Some(seconds) = super::refine::azimuthal_work(setup, 1)
+    {
+        return Ok(2.0 * seconds);
     }
     let nodes = |level: u32| nodes_needed(&setup.stack, level).max(1) as f64;
     let level = level_needed(target, error_over_difference(&setup.stack, &setup.sources));

@@ -20,7 +20,8 @@ const MOST_PATHS: u64 = 1 << 26;
 /// Runs a scene with a filter; `auto` is by paths where adding does not compute it.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     let method = run.scene.solver.method;
-    if method == Method::MonteCarlo {
+    let counts_paths = !matches!(run.scene.solver.stop, Stop::RelativeError { .. });
+    if method == Method::MonteCarlo || method == Method::Auto && counts_paths {
         return by_paths(run);
     }
     let filtered = match Filtered::new(run.setup, run.control) {

@@ -19,6 +19,9 @@ use crate::setup::{Setup, layers_alone};
 /// minute and half a gigabyte.
 const NARROWEST_IN_FIELDS: f64 = 2e-4;
 
+/// Finest level of light by direction: its errors decrease by a factor of twenty with each.
+const FINEST_OF_DIRECTIONS: u32 = 3;
+
 /// The same for the light that a front sends back over a mirror or films: its points increase as 1/width. Two levels
 /// of this one take 10 s, without progress.
 const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
@@ -30,8 +33,11 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 /// depends on azimuth, and it is not one diffuser that is given by its lobe.
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
-    if !stack.adding_knows_azimuth() && azimuthal_work(setup).is_none() {
-        return Err(AZIMUTH_BELOW_SCATTERER);
+    if !stack.adding_knows_azimuth() {
+        // Two levels are needed; further ones are computed where they fit.
+        let fits = |level: &u32| azimuthal_work(setup, *level).is_some();
+        let last = (1..=FINEST_OF_DIRECTIONS).take_while(fits).last();
+        return last.map(|level| level as usize).ok_or(AZIMUTH_BELOW_SCATTERER);
     }
     if let Some(width) = width_of_panel(stack)
         && width < NARROWEST_IN_FIELDS
@@ -58,10 +64,11 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     }
 }
 
-/// Estimates the work of adding for a diffuser above a pixel that depends on azimuth, in seconds; `None` if it does not compute it.
-pub(crate) fn azimuthal_work(setup: &Setup) -> Option<f64> {
+/// Estimates the work of a level of adding for a diffuser above a pixel that depends on azimuth, in seconds; `None` if it does not
+/// compute it.
+pub(crate) fn azimuthal_work(setup: &Setup, level: u32) -> Option<f64> {
     let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
-    azimuthal_seconds(&setup.stack, &views, &setup.sources)
+    azimuthal_seconds(&setup.stack, &views, &setup.sources, level)
 }
 
 /// Returns whether a source is an environment that depends on azimuth.

@@ -14,7 +14,7 @@
 //! The regular light of a diffuser keeps its direction. Light counts as unpolarised, as below any scatterer.
 //!
 //! **Covered**: one k-correlation or Lambertian diffuser on clear glass without dispersion, with or without a reflection of its own that
-//! has no mirror image from below; all light, if its directions are not too many. Everything else is for Monte Carlo.
+//! has no mirror image from below; all light, if its directions are not too many. All other scatterers are for Monte Carlo.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +25,7 @@ use papilio_optics::{Beta, Scatterer};
 use papilio_spectra::StateSpectra;
 
 use super::panel::lobes::{orders_of_nodes, poles};
-use crate::angular::add_rows;
+use crate::angular::{add_rows, harmonic};
 use crate::layers::{LobeReflection, ReflectedLobe};
 use crate::light::cone_points::{Nodes as ConeNodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::images::{ImagePoints, Mirror, image_points};
@@ -47,7 +47,7 @@ const FEWER_DIGITS: f64 = 3.0;
 /// Angle over which the pixel changes, in direction cosines.
 const SMOOTH: f64 = 0.3;
 
-/// Most numbers that light of further orders takes, and its kernels.
+/// Most numbers that light of further orders takes, and its kernels: half a gigabyte.
 const MOST_NUMBERS: usize = 60_000_000;
 
 /// Most directions of the first order.
@@ -57,8 +57,8 @@ const MOST_DIRECTIONS: usize = 4_000_000;
 const MOST_POINTS: usize = 100;
 const MOST_PAIRS: f64 = 3e8;
 
-/// Level whose size decides what is covered.
-const SECOND_LEVEL: f64 = 1.0;
+/// Reflectance of the diffuser from below beyond which orders decrease too slowly.
+const MOST_RETURNED: f64 = 0.9;
 
 /// The diffuser on its glass.
 #[derive(Debug, Clone)]
@@ -74,7 +74,7 @@ struct Film {
 #[derive(Debug, Clone, PartialEq)]
 enum Light {
     Diffuse,
-    /// Directions, with weights that sum to 1.
+    /// Directions with their weights.
     Points(Vec<Point>),
 }
 
@@ -103,15 +103,8 @@ struct Returned {
     base: Base,
     /// Reflectance, `[node][column]`; a column is a state and a wavelength.
     rho: Vec<f64>,
-    /// By source.
-    lights: Vec<ReturnedLight>,
-}
-
-/// Light that the diffuser has sent back down, at each node and column: what arrives, and what the pixel reflects of it.
-#[derive(Debug, Default)]
-struct ReturnedLight {
-    arrives: Vec<f64>,
-    rises: Vec<f64>,
+    /// What the pixel reflects of the light that the diffuser has sent back down, by source, `[node][column]`.
+    rises: Vec<Vec<f64>>,
 }
 
 /// Kernel prepared for a stack, its views and its sources.
@@ -158,32 +151,38 @@ pub(super) fn applies(stack: &Stack) -> bool {
     Film::of(stack).is_some()
 }
 
-/// Estimates the work of two levels, in seconds of one processor; `None` if these views and sources are not covered.
-pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Option<f64> {
-    /// Per direction of the first order and source, and per product of the further orders.
+/// Estimates the work of a level, in seconds of one processor; `None` if these views and sources are not covered.
+pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source], level: f64) -> Option<f64> {
+    /// Per direction of the first order and point of light, and per product of the further orders.
     const DIRECTION: f64 = 1e-8;
     const PRODUCT: f64 = 3e-10;
+    /// Numbers of a node and column, besides those of the sources, while orders are added.
+    const AT_WORK: usize = 8;
     let film = Film::of(stack)?;
     let Reflector::Specular(table) = &stack.base().reflector else { return None };
-    let digits = digits(SECOND_LEVEL);
-    let [views, sources] = [film.views(views, digits), film.points_of(sources, views, digits)];
-    let lit = (sources.len() + 2) as f64;
+    let digits = digits(level);
+    let [views, sources] = [film.views(stack.base(), views, digits), film.points_of(sources, views, digits)];
     let all = film.radii(views.iter().chain(&sources));
     let grid = film.grid_of(table, &all, digits);
-    let points: usize = sources.iter().map(Vec::len).sum();
+    let count = |lists: &[Vec<Point>]| lists.iter().map(Vec::len).sum::<usize>();
+    let [seen, lit] = [&views, &sources].map(|lists| count(lists));
     // Regular light of each point is sent back to all directions.
-    let is_many = film.regular() > 0.0 && points > MOST_POINTS;
-    if grid.len() > MOST_DIRECTIONS || is_many || points as f64 * grid.len() as f64 > MOST_PAIRS {
+    let is_many = film.regular() > 0.0 && lit.max(seen / views.len().max(1)) > MOST_POINTS;
+    if grid.len() > MOST_DIRECTIONS || is_many || lit as f64 * grid.len() as f64 > MOST_PAIRS {
         return None;
     }
-    let first = grid.len() as f64 * (views.len() as f64 * lit + points as f64) * DIRECTION;
+    let of_sources = sources.len() + 1;
+    let first = (grid.len() * (seen + lit + views.len() * of_sources)) as f64 * DIRECTION;
     let Some(lobe) = film.lobe_back() else { return Some(first) };
     let (grid, orders) = film.grid_back(table, lobe, &all, digits);
     let columns = stack.base().states() * stack.base().bins();
-    let numbers = grid.len() * columns * (sources.len() + 2) + grid.rings.len().pow(2) * orders;
-    // About five orders.
+    let numbers = grid.len() * columns * (2 * of_sources + AT_WORK)
+        + grid.rings.len().pow(2) * orders
+        + 4 * orders * grid.azimuths;
+    // About five orders, of each source and of the ledger of each view.
     let products = (2 * orders * grid.rings.len().pow(2) + 4 * orders * grid.len()) as f64 * columns as f64;
-    (numbers <= MOST_NUMBERS).then_some(first + 5.0 * lit * products * PRODUCT)
+    let further = 5.0 * (of_sources + views.len()) as f64 * products * PRODUCT;
+    (numbers <= MOST_NUMBERS).then_some(first + further)
 }
 
 fn digits(level: f64) -> f64 {
@@ -205,8 +204,10 @@ impl Film {
         let Interface::Diffuser(diffuser) = through else { return None };
         let is_lobe = |side: &LobeReflection| matches!(side.lobe(), ReflectedLobe::Lobe(_));
         let [_, below] = &sides;
-        let has_image = below.as_ref().is_some_and(|below| below.shares()[1] > 0.0);
-        (sides.iter().flatten().all(is_lobe) && !has_image).then_some(Self {
+        let is_left_out = below
+            .as_ref()
+            .is_some_and(|below| below.shares()[1] > 0.0 || below.scattered().max() > MOST_RETURNED);
+        (sides.iter().flatten().all(is_lobe) && !is_left_out).then_some(Self {
             diffuser: diffuser.clone(),
             sides,
             index: medium.constant_index()?,
@@ -214,22 +215,31 @@ impl Film {
         })
     }
 
-    /// Width of the narrowest lobe.
+    /// Width of the narrowest lobe below it.
     fn width(&self) -> f64 {
-        let reflected = self.sides.iter().flatten().filter_map(|side| match side.lobe() {
-            ReflectedLobe::Lobe(lobe) => Some(*lobe),
-            ReflectedLobe::Kernel(_) => None,
-        });
         let width = |lobe: Lobe| match lobe {
             Lobe::KCorrelation { width } => width,
             Lobe::Lambertian => SMOOTH,
         };
-        std::iter::once(self.diffuser.lobe).chain(reflected).map(width).fold(SMOOTH, f64::min)
+        [Some(self.diffuser.lobe), self.lobe_back()].into_iter().flatten().map(width).fold(SMOOTH, f64::min)
     }
 
-    fn views(&self, views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
-        let scale = |view: &Cone| self.width().min(smooth_at(view, SMOOTH));
-        let points = |view: &Cone| cone_points_of(view, scale(view), digits, ConeNodes::default());
+    /// Width of the narrowest lobe, that of the light which it reflects above, too.
+    fn narrowest(&self) -> f64 {
+        match self.sides[0].as_ref().map(LobeReflection::lobe) {
+            Some(ReflectedLobe::Lobe(Lobe::KCorrelation { width })) => self.width().min(*width),
+            _ => self.width(),
+        }
+    }
+
+    /// Directions of views; regular light resolves the table of the pixel.
+    fn views(&self, base: &Base, views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
+        let scale = |view: &Cone| self.narrowest().min(smooth_at(view, SMOOTH));
+        let across =
+            |view: &Cone| if self.regular() > 0.0 { base.nodes_across(view, &self.medium) } else { 0.0 };
+        let points = |view: &Cone| {
+            cone_points_of(view, scale(view), digits, ConeNodes { rings: 0, across: across(view) })
+        };
         views.iter().map(points).collect()
     }
 
@@ -237,9 +247,9 @@ impl Film {
     fn points_of(&self, sources: &[Source], views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
         let points = |source: &Source| match source {
             Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
-            Source::Disc(cone) => disc_points(cone, self.width().min(smooth_at(cone, SMOOTH)), digits),
+            Source::Disc(cone) => disc_points(cone, self.narrowest().min(smooth_at(cone, SMOOTH)), digits),
             Source::Field(field) => {
-                let rings = rings(field, Peaks { views, width: self.width() }, digits);
+                let rings = rings(field, Peaks { views, width: self.narrowest() }, digits);
                 rings.iter().flat_map(Ring::points).collect()
             }
             Source::Diffuse => Vec::new(),
@@ -424,10 +434,7 @@ impl Back {
             }
         }
         let azimuths = grid.azimuths;
-        let wave = |harmonic: usize, azimuth: usize| {
-            let (sin, cos) = (harmonic.div_ceil(2) as f64 * grid.turn(azimuth)).sin_cos();
-            if harmonic.is_multiple_of(2) && harmonic > 0 { sin } else { cos }
-        };
+        let wave = |number: usize, azimuth: usize| harmonic(number, grid.turn(azimuth));
         let harmonics = 2 * count - 1;
         let norm = |harmonic: usize| if harmonic == 0 { 1.0 } else { 2.0 } / azimuths as f64;
         let analysis = (0..harmonics * azimuths).map(|at| (at / azimuths, at % azimuths));
@@ -492,7 +499,7 @@ impl Kernel {
             return;
         };
         self.nodes = table.nodes.clone();
-        self.views = film.views(views, digits);
+        self.views = film.views(stack.base(), views, digits);
         let directed = film.points_of(sources, views, digits);
         let mirror = |view: &Cone| Mirror::Across(stack.base().nodes_across(view, &film.medium));
         self.images = views.iter().map(|view| image_points(view, sources, digits, mirror(view))).collect();
@@ -558,7 +565,7 @@ impl Kernel {
         let (light, bins) = (&self.sources[number], film.diffuser.transmittance.len());
         let mut sum = table.sum_of(&self.first_order(film, table, (points, of_view), Some(number)));
         if self.back.is_some() {
-            add_rows(&mut sum, &returned.lights[number].rises, again);
+            add_rows(&mut sum, &returned.rises[number], again);
             for point in points.iter().filter(|_| film.regular() > 0.0) {
                 let arrives = self.sent_back_to(film, point.beta, (number, returned), table);
                 let rho = reflectance(table, film, point.beta);
@@ -590,7 +597,7 @@ impl Kernel {
         let nodes: Vec<Point> = back.grid.points().collect();
         let weights: Vec<f64> =
             nodes.iter().map(|node| node.weight * film.sends_back(back.lobe, node.beta, to)).collect();
-        add_rows(&mut sum, &returned.lights[number].rises, &weights);
+        add_rows(&mut sum, &returned.rises[number], &weights);
         let of_first =
             nodes.iter().zip(&weights).map(|(node, weight)| weight * film.arrives(light, node.beta));
         add_rows(&mut sum, &returned.rho, &of_first.collect::<Vec<_>>());
@@ -648,11 +655,12 @@ impl Kernel {
         if let Some(known) = last.as_ref().filter(|known| known.base == *base) {
             return Some(Arc::clone(known));
         }
-        let mut found = Returned { base: base.clone(), rho: Vec::new(), lights: Vec::new() };
+        let mut found = Returned { base: base.clone(), rho: Vec::new(), rises: Vec::new() };
         if let (Some(back), Reflector::Specular(table)) = (&self.back, &base.reflector) {
             found.rho = back.grid.points().flat_map(|node| reflectance(table, film, node.beta)).collect();
             for light in &self.sources {
-                found.lights.push(self.sent_back(film, table, light, (&found.rho, stop))?);
+                let arrives = self.sent_back(film, table, light, (&found.rho, stop))?;
+                found.rises.push(arrives.iter().zip(&found.rho).map(|(x, r)| x * r).collect());
             }
         }
         let found = Arc::new(found);
@@ -660,17 +668,17 @@ impl Kernel {
         Some(found)
     }
 
-    /// Light that is sent back down once and more often; `None` if `stop` was set.
+    /// Light that is sent back down once and more often, `[node][column]`; `None` if `stop` was set.
     fn sent_back(
         &self,
         film: &Film,
         table: &AngularTable,
         light: &Light,
         (rho, stop): (&[f64], &AtomicBool),
-    ) -> Option<ReturnedLight> {
-        /// A diffuser reflects less than everything, a pixel too.
+    ) -> Option<Vec<f64>> {
+        /// More than enough for the largest reflectance of a diffuser.
         const MOST_ORDERS: usize = 400;
-        let Some(back) = &self.back else { return Some(ReturnedLight::default()) };
+        let Some(back) = &self.back else { return Some(Vec::new()) };
         let (columns, bins) = (table.state_count() * table.common.len(), table.common.len());
         let first = back.grid.light(film, light);
         let first: Vec<f64> = rho
@@ -709,8 +717,7 @@ impl Kernel {
                 break;
             }
         }
-        let rises = arrives.iter().zip(rho).map(|(x, r)| x * r).collect();
-        Some(ReturnedLight { arrives, rises })
+        Some(arrives)
     }
 
     /// What becomes of a beam from a view, given what of diffuse light the view sees.
@@ -732,8 +739,9 @@ impl Kernel {
         let again = self.sent_back(film, table, &own, (&returned.rho, stop)).unwrap_or_default();
         if let Some(back) = &self.back {
             let weights: Vec<f64> = back.grid.points().map(|node| node.weight).collect();
-            add_rows(&mut all, &again.arrives, &weights);
-            add_rows(&mut rises, &again.rises, &weights);
+            add_rows(&mut all, &again, &weights);
+            let reflected: Vec<f64> = again.iter().zip(&returned.rho).map(|(x, r)| x * r).collect();
+            add_rows(&mut rises, &reflected, &weights);
         }
         let through = |at: usize| film.diffuser.transmittance[at % bins];
         let spectra = |of: &dyn Fn(usize) -> f64| StateSpectra::new((0..all.len()).map(of).collect(), bins);

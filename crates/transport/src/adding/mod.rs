@@ -58,10 +58,10 @@ pub fn narrowest(stack: &Stack) -> Option<Narrowest> {
     if stack.panel().is_some() { None } else { layered::narrowest(stack) }
 }
 
-/// Estimates the work of a diffuser above a pixel that depends on azimuth, in seconds of one processor; `None` where it is not
-/// covered, and for all other pixels.
-pub fn azimuthal_seconds(stack: &Stack, views: &[Cone], sources: &[Source]) -> Option<f64> {
-    azimuthal::seconds(stack.in_runs(), views, sources)
+/// Estimates the work of a level for a diffuser above a pixel that depends on azimuth, in seconds of one processor; `None` where it
+/// is not covered, and for all other pixels.
+pub fn azimuthal_seconds(stack: &Stack, views: &[Cone], sources: &[Source], level: u32) -> Option<f64> {
+    azimuthal::seconds(stack.in_runs(), views, sources, f64::from(level))
 }
 
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of

@@ -5,9 +5,11 @@ use std::f64::consts::{PI, TAU};
 use papilio_optics::lobe::{KCorrelation, Lobe};
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::{SampleStream, Sampler};
+use papilio_transport::adding::Kernel;
 use papilio_transport::walk::Plain;
 use papilio_transport::{
-    AngularTable, Base, Cone, CosinePanels, Estimate, Interface, Layer, Nodes, Reflector, Source, Stack,
+    AngularTable, Base, Cone, CosinePanels, Estimate, Interface, Layer, LobeReflection, Nodes, ReflectedLobe,
+    ReflectingDiffuser, Reflector, Source, Stack,
 };
 
 use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, replicates_of, sized};
@@ -79,7 +81,7 @@ fn over_directions(of: impl Fn(Beta) -> f64) -> f64 {
 }
 
 /// Diffuse light and a beam through a diffuser onto a mirror and out again, with its regular part: integrals over all directions between, without any
-/// path.
+/// path; by both solvers.
 #[test]
 fn haze_film_over_azimuthal_mirror_is_an_integral_over_directions() {
     let stack = over(vec![(diffuser(WIDTH, TRANSMITTANCE, REGULAR), INDEX)], SHAPE.base());
@@ -101,11 +103,67 @@ fn haze_film_over_azimuthal_mirror_is_an_integral_over_directions() {
     let mean = Shape { cos: 0.0, sin: 0.0, ..SHAPE };
     assert!((mean.at(view) - SHAPE.at(view)).abs() > 0.03);
     let sources = [Source::Diffuse, lamp()];
+    let mut adding = Kernel::new(2);
+    adding.prepare(&stack, &[from()], &sources);
+    let adding = adding.estimate(&stack, 0);
     for (k, truth) in truth.into_iter().enumerate() {
+        let found = adding.rho[k].via_pixel[0];
+        // The sum over directions has steps of 0.003.
+        assert!((found - truth).abs() < 2e-4 * truth, "adding {k}: {found} {truth}");
         assert_unbiased(&format!("source {k}"), truth, 0.02, |seed| {
             let all = replicates_of(&stack, from(), &sources, seed, sized(256, 1024), Sampler::Sobol);
             mean_and_error(all.iter().map(|e: &Estimate| e.rho[k].via_pixel[0]))
         });
+    }
+}
+
+/// A round mirror, given by harmonics of 0: adding by direction against adding by azimuthal order, with reflections from both sides, fields of view,
+/// discs, rings of light and balances.
+#[test]
+fn adding_by_direction_is_adding_by_order_over_round_mirrors() {
+    let round = Shape { cos: 0.0, sin: 0.0, ..SHAPE };
+    let azimuthal = round.base();
+    let Reflector::Specular(table) = &azimuthal.reflector else { unreachable!() };
+    let nodes = table.nodes.of_inclination().clone();
+    let basis: Vec<f64> = table.basis.iter().step_by(3).copied().collect();
+    let plain = AngularTable { nodes, basis: basis.into(), mixture: vec![1.0], common: vec![0.0] };
+    let plain = Base { reflector: Reflector::Specular(plain), ..azimuthal.clone() };
+    let lobe = |width: f64| ReflectedLobe::Lobe(Lobe::KCorrelation { width });
+    let side = |lobe: ReflectedLobe, r: f64| Some(LobeReflection::new(lobe, &one(r), 0.0));
+    let films = [
+        diffuser(0.2, 0.95, 0.0),
+        diffuser(0.2, 0.9, 0.3),
+        Interface::Reflecting(Box::new(ReflectingDiffuser::new(
+            diffuser(0.25, 0.7, 0.2),
+            [side(lobe(0.15), 0.1), side(lobe(0.2), 0.25)],
+        ))),
+        Interface::Reflecting(Box::new(ReflectingDiffuser::new(
+            diffuser(0.3, 0.7, 0.0),
+            [None, side(ReflectedLobe::Lobe(Lobe::Lambertian), 0.3)],
+        ))),
+    ];
+    let sources = [Source::Diffuse, lamp(), Source::Disc(Cone::new(35.0, 60.0, 8.0, 1.0))];
+    let views = [from(), Cone::new(20.0, 110.0, 6.0, 1.0)];
+    for (number, film) in films.into_iter().enumerate() {
+        let layers = vec![Layer::new(film, clear(INDEX))];
+        let of = |base: &Base, level: u32| {
+            let stack = Stack::general(layers.clone(), base.clone());
+            let mut kernel = Kernel::new(level);
+            kernel.prepare(&stack, &views, &sources);
+            [0, 1].map(|view| kernel.estimate(&stack, view))
+        };
+        for (view, (a, b)) in of(&azimuthal, 2).iter().zip(&of(&plain, 3)).enumerate() {
+            let near = |what: &str, a: f64, b: f64| {
+                assert!((a - b).abs() < 2e-5 + 1e-4 * b.abs(), "{number} {view} {what}: {a} {b}");
+            };
+            for (a, b) in a.rho.iter().zip(&b.rho) {
+                near("via pixel", a.via_pixel[0], b.via_pixel[0]);
+                near("front", a.front[0], b.front[0]);
+            }
+            near("returned", a.ledger.returned[0], b.ledger.returned[0]);
+            near("pixel", a.ledger.pixel[0], b.ledger.pixel[0]);
+            near("diffuser", a.ledger.diffuser[0], b.ledger.diffuser[0]);
+        }
     }
 }
 
