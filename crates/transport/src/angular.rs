@@ -226,26 +226,26 @@ impl AngularTable {
         let waves: Vec<f64> = (0..harmonics).map(|k| harmonic(k, turn)).collect();
         let (bins, width) = (self.common.len(), self.basis_count() * self.common.len());
         let (mut basis, mut weights) = (vec![0.0; width], vec![0.0; harmonics]);
-        let mut add = |stencil: &Stencil, bins: std::ops::Range<usize>| {
-            let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
-            for (node, of_node) in nodes.filter(|(_, weight)| *weight != 0.0) {
-                weights.iter_mut().zip(&waves).for_each(|(weight, wave)| *weight = of_node * wave);
-                self.add_harmonics(node, &weights, bins.clone(), &mut basis);
-            }
-        };
-        match medium.constant_index() {
-            Some(index) => add(&self.nodes.stencil(squared, index), 0..bins),
-            None => {
-                (0..bins).for_each(|bin| add(&self.nodes.stencil(squared, medium.index()[bin]), bin..bin + 1))
-            }
-        }
+        let index = medium.constant_index();
         with_widest_simd(
             #[inline(always)]
-            || mix((&self.mixture, &self.common), &basis, 1.0, out),
+            || {
+                for bin in 0..if index.is_some() { 1 } else { bins } {
+                    let stencil = self.nodes.stencil(squared, index.unwrap_or_else(|| medium.index()[bin]));
+                    let range = if index.is_some() { 0..bins } else { bin..bin + 1 };
+                    let nodes = (stencil.first..self.nodes.count()).zip(stencil.weights);
+                    for (node, of_node) in nodes.filter(|(_, weight)| *weight != 0.0) {
+                        weights.iter_mut().zip(&waves).for_each(|(weight, wave)| *weight = of_node * wave);
+                        self.add_harmonics(node, &weights, range.clone(), &mut basis);
+                    }
+                }
+                mix((&self.mixture, &self.common), &basis, 1.0, out);
+            },
         );
     }
 
     /// Adds the harmonics of each reflectance at a node, with these weights, to its mean, at some of the wavelengths.
+    #[inline(always)]
     fn add_harmonics(&self, node: usize, weights: &[f64], range: std::ops::Range<usize>, basis: &mut [f64]) {
         let (bins, width) = (self.common.len(), basis.len());
         let row = &self.basis[node * width..][..width];
@@ -307,13 +307,15 @@ impl AngularTable {
         }
     }
 
-    /// Returns the harmonics of this many uniform azimuths from 0 on, `[harmonic][azimuth]`.
+    /// Returns the harmonics of this many uniform azimuths from 0 on, `[azimuth][harmonic]`.
     pub(crate) fn waves(&self, azimuths: usize) -> Vec<f64> {
         let turn = |azimuth: usize| 2.0 * TAU * azimuth as f64 / azimuths as f64;
-        (0..self.harmonics()).flat_map(|k| (0..azimuths).map(move |at| harmonic(k, turn(at)))).collect()
+        (0..azimuths).flat_map(|at| (0..self.harmonics()).map(move |k| harmonic(k, turn(at)))).collect()
     }
 
     /// Adds the look-ups of a ring of these azimuths, with their weights and the [`waves`](Self::waves) of their number.
+    /// Inlined, so that it is compiled for the instruction set of its caller.
+    #[inline(always)]
     pub(crate) fn add_ring(
         &self,
         weights: &mut [f64],
@@ -321,7 +323,7 @@ impl AngularTable {
         (along, waves): (&[f64], &[f64]),
     ) {
         let mut sums = vec![0.0; self.harmonics()];
-        add_product(waves, along, along.len(), &mut sums);
+        add_rows(&mut sums, waves, along);
         self.add_waves(weights, (squared, index), &sums);
     }
 
@@ -337,10 +339,17 @@ impl AngularTable {
     pub(crate) fn sum_of(&self, weights: &[f64]) -> Vec<f64> {
         let (harmonics, bins, count) = (self.harmonics(), self.common.len(), self.basis_count());
         let mut basis = vec![0.0; count * bins];
-        let nodes = weights.chunks_exact(harmonics).take(self.nodes.count()).enumerate();
-        for (node, weights) in nodes.filter(|(_, weights)| weights.iter().any(|weight| *weight != 0.0)) {
-            self.add_harmonics(node, weights, 0..bins, &mut basis);
-        }
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                let nodes = weights.chunks_exact(harmonics).take(self.nodes.count()).enumerate();
+                for (node, weights) in
+                    nodes.filter(|(_, weights)| weights.iter().any(|weight| *weight != 0.0))
+                {
+                    self.add_harmonics(node, weights, 0..bins, &mut basis);
+                }
+            },
+        );
         let total: f64 = weights.iter().step_by(harmonics).sum();
         let mut out = vec![0.0; self.state_count() * bins];
         mix((&self.mixture, &self.common), &basis, total, &mut out);

@@ -276,7 +276,7 @@ fn is_over(known: &BeamResponse, stack: &Stack) -> bool {
 }
 
 /// Returns whether two bases are equal; tables that are shared are not compared.
-fn is_same(one: &Base, other: &Base) -> bool {
+pub(super) fn is_same(one: &Base, other: &Base) -> bool {
     match (&one.reflector, &other.reflector) {
         (Reflector::Specular(a), Reflector::Specular(b)) if Arc::ptr_eq(&a.basis, &b.basis) => {
             let rest = a.nodes == b.nodes && a.mixture == b.mixture && a.common == b.common;

@@ -16,36 +16,30 @@
 //! **Covered**: one k-correlation or Lambertian diffuser on clear glass without dispersion, with or without a reflection of its own that
 //! has no mirror image from below; all light, if its directions are not too many. All other scatterers are for Monte Carlo.
 
-use std::f64::consts::{PI, TAU};
+mod film;
+mod grid;
+
+use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use papilio_optics::lobe::Lobe;
-use papilio_optics::{Beta, Scatterer};
+use papilio_optics::{Beta, with_widest_simd};
 use papilio_spectra::StateSpectra;
 
-use super::panel::lobes::{orders_of_nodes, poles};
-use crate::angular::{add_rows, harmonic};
-use crate::layers::{LobeReflection, ReflectedLobe};
-use crate::light::cone_points::{Nodes as ConeNodes, Point, cone_points_of, disc_points, smooth_at};
+use self::film::{Film, Light, reflectance};
+use self::grid::{Back, Grid};
+use super::layered::is_same;
+use crate::angular::add_rows;
+use crate::light::cone_points::Point;
 use crate::light::images::{ImagePoints, Mirror, image_points};
-use crate::light::rings::{Peaks, Ring, rings};
-use crate::numerics::product::add_product;
-use crate::numerics::quadrature::{Node, Pole, radial};
 use crate::specular::layered_image;
-use crate::{
-    AngularTable, Base, Cone, Diffuser, Estimate, Interface, Layer, Ledger, Medium, Nodes, ReflectanceFactor,
-    Reflector, Source, Stack,
-};
+use crate::{AngularTable, Base, Cone, Estimate, Ledger, Nodes, ReflectanceFactor, Reflector, Source, Stack};
 
 /// Natural digits of level 0, of each further level, and the least.
 const DIGITS: [f64; 3] = [8.0, 3.0, 4.0];
 
 /// Digits that further orders have fewer: they are some per cent of the light.
 const FEWER_DIGITS: f64 = 3.0;
-
-/// Angle over which the pixel changes, in direction cosines.
-const SMOOTH: f64 = 0.3;
 
 /// Most numbers that light of further orders takes, and its kernels: half a gigabyte.
 const MOST_NUMBERS: usize = 60_000_000;
@@ -56,46 +50,6 @@ const MOST_DIRECTIONS: usize = 4_000_000;
 /// Most points of sources whose light a diffuser passes straight, and most pairs of points and directions: a second.
 const MOST_POINTS: usize = 100;
 const MOST_PAIRS: f64 = 3e8;
-
-/// Reflectance of the diffuser from below beyond which orders decrease too slowly.
-const MOST_RETURNED: f64 = 0.9;
-
-/// The diffuser on its glass.
-#[derive(Debug, Clone)]
-struct Film {
-    diffuser: Diffuser,
-    /// What it reflects from above and from below.
-    sides: [Option<LobeReflection>; 2],
-    medium: Medium,
-    index: f64,
-}
-
-/// Light of a source, or of a view, above the diffuser.
-#[derive(Debug, Clone, PartialEq)]
-enum Light {
-    Diffuse,
-    /// Directions with their weights.
-    Points(Vec<Point>),
-}
-
-/// Rings of directions, each with uniform azimuths.
-#[derive(Debug, Clone)]
-struct Grid {
-    rings: Vec<Node>,
-    azimuths: usize,
-}
-
-/// Light that the diffuser sends back down, per unit of its reflectance.
-#[derive(Debug, Clone)]
-struct Back {
-    lobe: Lobe,
-    grid: Grid,
-    /// By azimuthal order, `[order][to ring][from ring]`, with the weights of the rings.
-    orders: Vec<Vec<f64>>,
-    /// Harmonics 1, cos, sin, cos 2, ... of a ring, `[harmonic][azimuth]`, and back.
-    analysis: Vec<f64>,
-    synthesis: Vec<f64>,
-}
 
 /// Light of further orders of all sources over a base.
 #[derive(Debug)]
@@ -188,288 +142,6 @@ pub(super) fn seconds(stack: &Stack, views: &[Cone], sources: &[Source], level: 
 fn digits(level: f64) -> f64 {
     let [first, more, least] = DIGITS;
     (first + more * level).max(least)
-}
-
-impl Film {
-    /// The only layer of a stack; `None` if it is not covered.
-    fn of(stack: &Stack) -> Option<Self> {
-        let [Layer { interface, medium, .. }] = &stack.layers[..] else { return None };
-        if !stack.base().is_azimuthal() || medium.transmittance().is_some() || medium.scattering().is_some() {
-            return None;
-        }
-        let (through, sides) = match interface {
-            Interface::Reflecting(film) => (film.transmission(), film.reflections().clone()),
-            other => (other, [None, None]),
-        };
-        let Interface::Diffuser(diffuser) = through else { return None };
-        let is_lobe = |side: &LobeReflection| matches!(side.lobe(), ReflectedLobe::Lobe(_));
-        let [_, below] = &sides;
-        let is_left_out = below
-            .as_ref()
-            .is_some_and(|below| below.shares()[1] > 0.0 || below.scattered().max() > MOST_RETURNED);
-        (sides.iter().flatten().all(is_lobe) && !is_left_out).then_some(Self {
-            diffuser: diffuser.clone(),
-            sides,
-            index: medium.constant_index()?,
-            medium: medium.clone(),
-        })
-    }
-
-    /// Width of the narrowest lobe below it.
-    fn width(&self) -> f64 {
-        let width = |lobe: Lobe| match lobe {
-            Lobe::KCorrelation { width } => width,
-            Lobe::Lambertian => SMOOTH,
-        };
-        [Some(self.diffuser.lobe), self.lobe_back()].into_iter().flatten().map(width).fold(SMOOTH, f64::min)
-    }
-
-    /// Width of the narrowest lobe, that of the light which it reflects above, too.
-    fn narrowest(&self) -> f64 {
-        match self.sides[0].as_ref().map(LobeReflection::lobe) {
-            Some(ReflectedLobe::Lobe(Lobe::KCorrelation { width })) => self.width().min(*width),
-            _ => self.width(),
-        }
-    }
-
-    /// Directions of views; regular light resolves the table of the pixel.
-    fn views(&self, base: &Base, views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
-        let scale = |view: &Cone| self.narrowest().min(smooth_at(view, SMOOTH));
-        let across =
-            |view: &Cone| if self.regular() > 0.0 { base.nodes_across(view, &self.medium) } else { 0.0 };
-        let points = |view: &Cone| {
-            cone_points_of(view, scale(view), digits, ConeNodes { rings: 0, across: across(view) })
-        };
-        views.iter().map(points).collect()
-    }
-
-    /// Directions of the sources; diffuse light has none.
-    fn points_of(&self, sources: &[Source], views: &[Cone], digits: f64) -> Vec<Vec<Point>> {
-        let points = |source: &Source| match source {
-            Source::Beam(beta) => vec![Point { beta: *beta, weight: 1.0 }],
-            Source::Disc(cone) => disc_points(cone, self.narrowest().min(smooth_at(cone, SMOOTH)), digits),
-            Source::Field(field) => {
-                let rings = rings(field, Peaks { views, width: self.narrowest() }, digits);
-                rings.iter().flat_map(Ring::points).collect()
-            }
-            Source::Diffuse => Vec::new(),
-        };
-        sources.iter().map(points).collect()
-    }
-
-    /// Radii of points, without those that are equal to a lobe.
-    fn radii<'a>(&self, points: impl Iterator<Item = &'a Vec<Point>>) -> Vec<f64> {
-        let same = 0.1 * self.width();
-        let mut radii: Vec<f64> = points.flatten().map(|point| point.beta.length()).collect();
-        radii.sort_unstable_by(f64::total_cmp);
-        radii.dedup_by(|a, b| (*a - *b).abs() < same);
-        radii
-    }
-
-    /// The lobe of light that is sent back down.
-    fn lobe_back(&self) -> Option<Lobe> {
-        match self.sides[1].as_ref()?.lobe() {
-            ReflectedLobe::Lobe(lobe) => Some(*lobe),
-            ReflectedLobe::Kernel(_) => None,
-        }
-    }
-
-    fn regular(&self) -> f64 {
-        self.diffuser.regular_fraction
-    }
-
-    /// Light that arrives in a direction below a diffuser that transmits everything; of points, what is scattered.
-    fn arrives(&self, light: &Light, beta: Beta) -> f64 {
-        let (lobe, regular) = (self.diffuser.lobe, self.regular());
-        match light {
-            Light::Diffuse => {
-                let length = beta.length();
-                let straight = if length <= 1.0 { regular } else { 0.0 };
-                straight + (1.0 - regular) * lobe.fraction_in_disc(length, 1.0)
-            }
-            Light::Points(points) => {
-                let of = |point: &Point| point.weight * lobe.evaluate(point.beta, beta);
-                (1.0 - regular) * points.iter().map(of).sum::<f64>()
-            }
-        }
-    }
-
-    /// All light that arrives of a view.
-    fn arrives_in_all(&self, points: &[Point]) -> f64 {
-        let lobe = self.diffuser.lobe;
-        let of = |point: &Point| {
-            let scattered = lobe.fraction_in_disc(point.beta.length(), self.index);
-            point.weight * (self.regular() + (1.0 - self.regular()) * scattered)
-        };
-        points.iter().map(of).sum()
-    }
-
-    /// What the lobe sends back of light from one direction to another, per unit of its reflectance.
-    fn sends_back(&self, lobe: Lobe, from: Beta, to: Beta) -> f64 {
-        match lobe {
-            Lobe::KCorrelation { .. } => lobe.evaluate(from, to),
-            Lobe::Lambertian => (PI * self.index * self.index).recip(),
-        }
-    }
-
-    /// Light that it reflects above, over that of a source, by wavelength.
-    fn front(&self, view: &[Point], light: &Light) -> Vec<f64> {
-        let bins = self.diffuser.transmittance.len();
-        let Some(above) = &self.sides[0] else { return vec![0.0; bins] };
-        match light {
-            Light::Diffuse => {
-                let of = |bin: usize| {
-                    view.iter().map(|v| v.weight * above.returned(bin, v.beta.length(), 1.0)).sum()
-                };
-                (0..bins).map(of).collect()
-            }
-            Light::Points(points) => {
-                let pairs = view.iter().flat_map(|v| points.iter().map(move |l| (v, l)));
-                let density = |(v, l): (&Point, &Point)| v.weight * l.weight * above.density(v.beta, l.beta);
-                let sum: f64 = pairs.map(density).sum();
-                above.scattered().iter().map(|scattered| PI * scattered * sum).collect()
-            }
-        }
-    }
-
-    /// The grid of light between points of these radii, with as many azimuths as `more` harmonics take, too.
-    fn grid(&self, lobes: &[Lobe], radii: &[f64], nodes: &Nodes, (digits, more): (f64, usize)) -> Grid {
-        let (mut sharp, mut breaks) = (Vec::new(), nodes.breaks(self.index));
-        if matches!(nodes.of_inclination(), Nodes::AnglesInAir(_)) {
-            // The angle in air has a square root on the rim.
-            sharp.push(Pole { at: 1.0, off: 0.0 });
-        }
-        for lobe in lobes {
-            radii.iter().for_each(|radius| poles(*lobe, *radius, &mut sharp));
-            poles(*lobe, 1.0, &mut sharp);
-        }
-        breaks.push(1.0);
-        let rings = radial(self.index, &breaks, &sharp, digits);
-        let farthest = radii.iter().copied().fold(0.0, f64::max);
-        // The trapezoid rule over the azimuth errs by exp(-azimuths x distance of the pole).
-        let distance = (self.width() / farthest.max(1e-6)).asinh();
-        let azimuths = (digits / distance).ceil() as usize + more;
-        Grid { rings, azimuths: azimuths.next_multiple_of(2).max(8) }
-    }
-
-    /// The grid of the first order.
-    fn grid_of(&self, table: &AngularTable, radii: &[f64], digits: f64) -> Grid {
-        self.grid(&[self.diffuser.lobe], radii, &table.nodes, (digits, table.harmonics()))
-    }
-
-    /// The grid of further orders, with their number of azimuthal orders.
-    fn grid_back(&self, table: &AngularTable, lobe: Lobe, radii: &[f64], digits: f64) -> (Grid, usize) {
-        let digits = (digits - FEWER_DIGITS).max(DIGITS[2]);
-        let lobes = [self.diffuser.lobe, lobe];
-        let grid = self.grid(&lobes, radii, &Nodes::Constant, (digits, table.harmonics()));
-        let orders = match lobe {
-            Lobe::KCorrelation { .. } => grid.azimuths / 2,
-            Lobe::Lambertian => 1,
-        };
-        (grid, orders)
-    }
-}
-
-impl Grid {
-    /// Number of directions.
-    fn len(&self) -> usize {
-        self.rings.len() * self.azimuths
-    }
-
-    fn turn(&self, azimuth: usize) -> f64 {
-        TAU * azimuth as f64 / self.azimuths as f64
-    }
-
-    /// All directions with their weights, ring by ring.
-    fn points(&self) -> impl Iterator<Item = Point> {
-        let turns: Vec<(f64, f64)> = (0..self.azimuths).map(|k| self.turn(k).sin_cos()).collect();
-        (0..self.len()).map(move |at| {
-            let (ring, (sin, cos)) = (&self.rings[at / self.azimuths], turns[at % self.azimuths]);
-            let weight = ring.weight / self.azimuths as f64;
-            Point { beta: Beta { x: ring.x * cos, y: ring.x * sin }, weight }
-        })
-    }
-
-    /// Light of a view or a source below the diffuser, at all directions.
-    fn light(&self, film: &Film, light: &Light) -> Vec<f64> {
-        match light {
-            // The same at all azimuths.
-            Light::Diffuse => {
-                let of = |ring: &Node| film.arrives(light, Beta { x: ring.x, y: 0.0 });
-                self.rings.iter().flat_map(|ring| std::iter::repeat_n(of(ring), self.azimuths)).collect()
-            }
-            Light::Points(_) => self.points().map(|node| film.arrives(light, node.beta)).collect(),
-        }
-    }
-
-    /// The same times the weights of the directions.
-    fn weighted(&self, film: &Film, light: &Light) -> Vec<f64> {
-        let mut values = self.light(film, light);
-        for (ring, values) in self.rings.iter().zip(values.chunks_exact_mut(self.azimuths)) {
-            values.iter_mut().for_each(|value| *value *= ring.weight / self.azimuths as f64);
-        }
-        values
-    }
-}
-
-impl Back {
-    fn new(film: &Film, table: &AngularTable, lobe: Lobe, radii: &[f64], digits: f64) -> Self {
-        let (grid, count) = film.grid_back(table, lobe, radii, digits);
-        let rings = grid.rings.len();
-        let mut orders = vec![vec![0.0; rings * rings]; count];
-        for (to, ring) in grid.rings.iter().enumerate() {
-            match lobe {
-                Lobe::KCorrelation { .. } => {
-                    orders_of_nodes(lobe, ring.x, &grid.rings, count, |order, first, values| {
-                        let row = &mut orders[order][to * rings + first..];
-                        let pairs = row.iter_mut().zip(&grid.rings[first..]).zip(values);
-                        pairs.for_each(|((out, from), value)| *out = from.weight * value);
-                    });
-                }
-                Lobe::Lambertian => {
-                    let value = film.sends_back(lobe, Beta::default(), Beta::default());
-                    let row = orders[0][to * rings..].iter_mut().zip(&grid.rings);
-                    row.for_each(|(out, from)| *out = from.weight * value);
-                }
-            }
-        }
-        let azimuths = grid.azimuths;
-        let wave = |number: usize, azimuth: usize| harmonic(number, grid.turn(azimuth));
-        let harmonics = 2 * count - 1;
-        let norm = |harmonic: usize| if harmonic == 0 { 1.0 } else { 2.0 } / azimuths as f64;
-        let analysis = (0..harmonics * azimuths).map(|at| (at / azimuths, at % azimuths));
-        let analysis = analysis.map(|(harmonic, azimuth)| norm(harmonic) * wave(harmonic, azimuth)).collect();
-        let synthesis = (0..harmonics * azimuths).map(|at| wave(at % harmonics, at / harmonics)).collect();
-        Self { lobe, orders, analysis, synthesis, grid }
-    }
-
-    /// Returns the light that is sent back of light that rises, `[node][column]`.
-    fn apply(&self, rises: &[f64], columns: usize) -> Vec<f64> {
-        let (rings, azimuths, harmonics) =
-            (self.grid.rings.len(), self.grid.azimuths, 2 * self.orders.len() - 1);
-        let (of_ring, row) = (azimuths * columns, rings * columns);
-        let mut waves = vec![0.0; harmonics * row];
-        let mut own = vec![0.0; harmonics * columns];
-        for (ring, rises) in rises.chunks_exact(of_ring).enumerate() {
-            own.fill(0.0);
-            add_product(&self.analysis, rises, azimuths, &mut own);
-            for (harmonic, values) in own.chunks_exact(columns).enumerate() {
-                waves[harmonic * row + ring * columns..][..columns].copy_from_slice(values);
-            }
-        }
-        let mut sent = vec![0.0; harmonics * row];
-        for (harmonic, (waves, sent)) in waves.chunks_exact(row).zip(sent.chunks_exact_mut(row)).enumerate() {
-            add_product(&self.orders[harmonic.div_ceil(2)], waves, rings, sent);
-        }
-        let mut out = vec![0.0; rings * of_ring];
-        for (ring, out) in out.chunks_exact_mut(of_ring).enumerate() {
-            for (harmonic, values) in own.chunks_exact_mut(columns).enumerate() {
-                values.copy_from_slice(&sent[harmonic * row + ring * columns..][..columns]);
-            }
-            add_product(&self.synthesis, &own, harmonics, out);
-        }
-        out
-    }
 }
 
 impl Kernel {
@@ -565,7 +237,10 @@ impl Kernel {
         let (light, bins) = (&self.sources[number], film.diffuser.transmittance.len());
         let mut sum = table.sum_of(&self.first_order(film, table, (points, of_view), Some(number)));
         if self.back.is_some() {
-            add_rows(&mut sum, &returned.rises[number], again);
+            with_widest_simd(
+                #[inline(always)]
+                || add_rows(&mut sum, &returned.rises[number], again),
+            );
             for point in points.iter().filter(|_| film.regular() > 0.0) {
                 let arrives = self.sent_back_to(film, point.beta, (number, returned), table);
                 let rho = reflectance(table, film, point.beta);
@@ -623,14 +298,19 @@ impl Kernel {
         let mut sums = table.no_weights();
         let azimuths = self.grid.azimuths;
         let mut along = vec![0.0; azimuths];
-        for (number, ring) in self.grid.rings.iter().enumerate() {
-            let here = number * azimuths..(number + 1) * azimuths;
-            along.copy_from_slice(&of_view[here.clone()]);
-            if let Some(source) = source {
-                along.iter_mut().zip(&self.lit[source][here]).for_each(|(light, lit)| *light *= lit);
-            }
-            table.add_ring(&mut sums, (ring.x * ring.x, film.index), (&along, &self.waves));
-        }
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                for (number, ring) in self.grid.rings.iter().enumerate() {
+                    let here = number * azimuths..(number + 1) * azimuths;
+                    along.copy_from_slice(&of_view[here.clone()]);
+                    if let Some(source) = source {
+                        along.iter_mut().zip(&self.lit[source][here]).for_each(|(light, lit)| *light *= lit);
+                    }
+                    table.add_ring(&mut sums, (ring.x * ring.x, film.index), (&along, &self.waves));
+                }
+            },
+        );
         let source = source.map(|source| &self.sources[source]);
         if film.regular() == 0.0 {
             return sums;
@@ -652,7 +332,7 @@ impl Kernel {
     /// Light of further orders over this base; `None` if `stop` was set.
     fn returned(&self, film: &Film, base: &Base, stop: &AtomicBool) -> Option<Arc<Returned>> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last.as_ref().filter(|known| known.base == *base) {
+        if let Some(known) = last.as_ref().filter(|known| is_same(&known.base, base)) {
             return Some(Arc::clone(known));
         }
         let mut found = Returned { base: base.clone(), rho: Vec::new(), rises: Vec::new() };
@@ -750,20 +430,4 @@ impl Kernel {
         let diffuser = spectra(&|at| 1.0 - in_diffuse[at] - pixel[at] - inactive[at]);
         Ledger { returned: in_diffuse, pixel, inactive, diffuser, ..Ledger::zeros(base.states(), bins) }
     }
-}
-
-impl Film {
-    /// Multiplies columns by the reflectance from below.
-    fn times_reflectance(&self, values: &mut [f64], bins: usize) {
-        let Some(below) = &self.sides[1] else { return values.fill(0.0) };
-        let rows = values.chunks_exact_mut(bins);
-        rows.for_each(|row| row.iter_mut().zip(below.scattered().iter()).for_each(|(value, r)| *value *= r));
-    }
-}
-
-/// Reflectance of the pixel, `[state][wavelength]`.
-fn reflectance(table: &AngularTable, film: &Film, beta: Beta) -> Vec<f64> {
-    let mut out = vec![0.0; table.state_count() * table.common.len()];
-    table.reflectance_towards(beta, &film.medium, &mut out);
-    out
 }
