@@ -13,7 +13,7 @@ use crate::page;
 use crate::shell::{self, Needs, Outcome, cargo, command};
 use crate::site;
 
-/// Number of seeds of the statistical tests in `cargo xtask full`; 5 in `cargo xtask test`.
+/// Number of seeds of the statistical tests in `cargo xtask full`; 8 in `cargo xtask test`.
 pub(crate) const SEEDS: u64 = 120;
 
 /// Number of seeds, read by the statistical tests of `crates/transport` and the test of sensitivities in

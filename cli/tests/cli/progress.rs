@@ -43,7 +43,7 @@ fn progress_never_goes_back() {
 fn progress_of_tables_says_what_is_done() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let coarse = ["--set", "spectrum.step_nm=40", "--step", "30", "--out", out];
+    let coarse = ["--set", "spectrum.step_nm=40", "--step", "15", "--out", out];
     let file = scenario("indoor").display().to_string();
     for (more, unit) in [(&[][..], "rows"), (&["--format", "radiant"][..], "parts")] {
         let lines = never_back(&[&["brdf", &file], &coarse[..], more].concat());

@@ -299,6 +299,10 @@ impl Setup {
         {
             let of_light = (apart, cosines.as_deref());
             let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), of_light, control)?;
+            if bases.mean.is_azimuthal() != self.stack.base().is_azimuthal() {
+                // Layers above a pixel that depends on azimuth have forms of their own.
+                return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
+            }
             self.cosines = cosines;
             replace_bases(&mut self.stack, bases);
             self.base_version += 1;

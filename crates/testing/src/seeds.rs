@@ -3,9 +3,9 @@
 use crate::scores::{SIGMA, mean_square_bounds};
 
 /// Default number of seeds.
-const EVERYDAY: u64 = 5;
+const EVERYDAY: u64 = 8;
 
-/// Returns the number of seeds of statistical tests: 5, or the value of `PAPILIO_SEEDS`.
+/// Returns the number of seeds of statistical tests: 8, or the value of `PAPILIO_SEEDS`.
 ///
 /// # Panics
 /// If `PAPILIO_SEEDS` is not an integer.

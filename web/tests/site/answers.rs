@@ -90,12 +90,9 @@ fn answer_of_one_view_is_that_among_all_views() {
     }
 }
 
-/// Examples that take seconds and are like others: measured diffusers, surfaces, a map of light.
-const ONLY_IN_FULL: [&str; 5] = ["etched-face", "hazy-face", "map", "measured-h78", "ptfe"];
-
 /// Every example and every preset has a live result. That of the face by waves, with twenty lobes at each
-/// wavelength, takes ten seconds of the twenty that the page allows; so does a liquid crystal below a haze film, which
-/// has fewer wavelengths, views and directions every day.
+/// wavelength, takes ten seconds of the twenty that the page allows, and a liquid crystal below a haze film some of them:
+/// every day, they have fewer wavelengths, views and directions.
 #[test]
 fn every_example_and_preset_computes() {
     let server = Server::start();
@@ -105,7 +102,7 @@ fn every_example_and_preset_computes() {
         { "op": "set", "path": "solver.relative_error", "value": 0.01 },
     ]);
     let edits = |name: &str| match name {
-        "mip-lcd-haze" | "mip-lcd-colour" => papilio_testing::sized(coarse.clone(), json!([])),
+        "hazy-face" | "mip-lcd-haze" | "mip-lcd-colour" => papilio_testing::sized(coarse.clone(), json!([])),
         _ => json!([]),
     };
     for list in ["examples", "presets"] {
@@ -114,9 +111,6 @@ fn every_example_and_preset_computes() {
         for one in all.as_array().unwrap() {
             let name = one["name"].as_str().unwrap();
             assert!(one["summary"].as_str().unwrap().len() > 10, "{name}");
-            if papilio_testing::sized(ONLY_IN_FULL.contains(&name), false) {
-                continue;
-            }
             let scenario = server.get(&format!("/api/v1/{list}/{name}")).json()["scenario"].clone();
             let answer = server.post("/live", &json!({ "scenario": scenario, "edits": edits(name) }));
             assert_eq!(answer.status, 200, "{name}: {}", String::from_utf8_lossy(&answer.body));

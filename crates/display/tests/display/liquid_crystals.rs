@@ -251,6 +251,15 @@ fn colour_filters_are_above_crystals_below_a_haze_film() {
         let (a, b) = (y(&adding, state), y(&paths, state));
         assert!((a - b).abs() < 4.5 * error, "{state}: {a} {b} ({error})");
     }
+    // Below a film that reflects, paths with places alone compute filters: a clear one changes nothing of what adding computes without it.
+    let film = "display.diffuser={ model = \"k-correlation\", width = 0.15, transmittance = 0.8, \
+        reflection = { total_reflectance = 0.15, model = \"k-correlation\", width = 0.2 } }";
+    let bare = of(&[&exact[..], &[film]].concat());
+    let by_paths = ["solver.method=monte-carlo", "solver.relative_error=0.001", film];
+    let clear = of(&[&by_paths[..], &[&filter("0", "red = 1, blue = 1")]].concat());
+    let (a, b, error) =
+        (y(&bare, "white"), y(&clear, "white"), clear.views[0].states.get("white").unwrap().standard_error.Y);
+    assert!((a - b).abs() < 4.5 * error && error < 2e-3 * a, "{a} {b} ({error})");
     // Flat layers alone would return polarised light to other places.
     let bare = run(&twisted(&[
         "display.glass={ index = 1.5, thickness_mm = 0.3, surface = \"fresnel\" }",

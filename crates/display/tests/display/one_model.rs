@@ -88,7 +88,7 @@ fn figures_of_crosstalk_follow_from_the_spread_of_mtf() {
             }
         }
     }
-    for (front, glass, top, pixel, light, view) in everyday(5, all) {
+    for (front, glass, top, pixel, light, view) in everyday(10, all) {
         let scene = format!("{front}{top}{glass}{pixel}{light}");
         let (sharpness, crosstalk) = computed(&[&front, top, &glass, &pixel, light, MATRIX, view]);
         let state = sharpness.views[0].states.get("white").unwrap();

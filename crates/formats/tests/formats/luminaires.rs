@@ -214,7 +214,7 @@ fn each_shape_of_the_opening_appears_as_the_body_it_is() {
                 Ellipsoid => x * x + y * y + z * z <= 0.25,
             }
         };
-        for direction in papilio_testing::everyday(2, [[0.0, 0.0], [50.0, 20.0], [80.0, 100.0]]) {
+        for direction in [[0.0, 0.0], [50.0, 20.0], [80.0, 100.0]] {
             let (found, wanted) =
                 (opening.seen_m2(direction[0], direction[1]), shadow(inside, direction, 0.8));
             assert!((found - wanted).abs() < 0.03, "{sides} {direction:?}: {found} {wanted}");
