@@ -21,7 +21,7 @@ const TO_SRGB: readonly Triple[] = [
 ];
 const D65: Triple = [0.95047, 1, 1.08883];
 /** Channels up to this value are shown without a note, because the clipping is invisible. */
-const CLIPPED = 1.005;
+export const CLIPPED = 1.005;
 
 export const times = (matrix: readonly Triple[], [x, y, z]: Triple): Triple =>
   matrix.map((row) => row[0] * x + row[1] * y + row[2] * z) as unknown as Triple;

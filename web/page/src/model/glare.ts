@@ -43,7 +43,9 @@ export interface Lamp {
 /** Luminance of the veil over the illuminance at the eye, 1/sr, at an angle in degrees from the line of sight. */
 export function glareFunction(theta: number, age = AGE, pigment = PIGMENT): number {
   const t = Math.min(MOST_DEG, Math.max(LEAST_DEG, theta));
-  return 10 / t ** 3 + (5 / t ** 2 + (0.1 * pigment) / t) * (1 + (age / 62.5) ** 4) + 0.0025 * pigment;
+  // Powers are products: pictures compute it for each of their pixels.
+  const older = (age / 62.5) * (age / 62.5);
+  return 10 / (t * t * t) + (5 / (t * t) + (0.1 * pigment) / t) * (1 + older * older) + 0.0025 * pigment;
 }
 
 /** Directions from the eye to parts of the mirror image of a lamp that lie on the display. */

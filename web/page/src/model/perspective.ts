@@ -118,3 +118,23 @@ export function pointAt(of: Camera, frame: Frame, x: number, y: number): [number
   const depth = -place[2] / ray(2);
   return depth > 0 ? [place[0] + depth * ray(0), place[1] + depth * ray(1)] : null;
 }
+
+/**
+ * Returns the matrix from a point x, y, 1 of the canvas to column, row, 1 of the picture on the display, each times the same number, which is
+ * positive before the eye.
+ */
+export function onDisplay(of: Camera, frame: Frame, columns: number, rows: number): readonly Triple[] {
+  const { place, right, up, forward, distance, height } = of;
+  const { canvas, scale, middle } = frame;
+  // The line of sight, a linear function of the point of the canvas.
+  const [x, y, z] = [0, 1, 2].map((k): Triple => {
+    const [a, b] = [right[k]! / scale, -up[k]! / scale];
+    const start = forward[k]! * distance + right[k]! * middle[0] + up[k]! * middle[1];
+    return [a, b, start - (a * canvas[0] + b * canvas[1]) / 2];
+  }) as [Triple, Triple, Triple];
+  // It meets the display where its length, in units of itself, is -place z / ray z.
+  const ahead = z.map((value) => -value / place[2]) as unknown as Triple;
+  const along = (ray: Triple, from: number): Triple => ray.map((value, k) => value + from * ahead[k]!) as unknown as Triple;
+  const mixed = (a: Triple, by: number, offset: number): Triple => a.map((value, k) => by * value + offset * ahead[k]!) as unknown as Triple;
+  return [mixed(along(x, place[0]), columns, columns / 2), mixed(along(y, place[1]), -rows / height, rows / 2), ahead];
+}

@@ -3,7 +3,7 @@
 // perhaps the picture itself; the length of each block is a multiple of 4 bytes.
 
 import type { PictureHead } from "../api/types.ts";
-import { isClipped, screenMatrix, times, type Triple } from "./colour.ts";
+import { CLIPPED, screenMatrix, type Triple } from "./colour.ts";
 import { listAt, numberAt, type Json } from "./json.ts";
 
 /** A picture in several lights: X, Y, Z of each pixel, row by row from the top, as 16-bit floating point numbers. */
@@ -39,9 +39,20 @@ export function unpacked(bytes: ArrayBuffer): Seen {
     return found;
   };
   const planes = head.lights.map(plane);
-  const means = planes.map((one) => meansOf(one, states, head.states.length));
   const size = [columns, rows] as const;
-  return { head, size, states, planes, means, source: head.has_source ? { size, planes: [plane()] } : null };
+  const source = head.has_source ? { size, planes: [plane()] } : null;
+  let means: Seen["means"] | null = null;
+  return {
+    head,
+    size,
+    states,
+    planes,
+    // Computed when they are needed: a few thousandths of a second, for the white of the display alone.
+    get means() {
+      return (means ??= planes.map((one) => meansOf(one, states, head.states.length)));
+    },
+    source,
+  };
 }
 
 let halves: Float32Array | null = null;
@@ -185,15 +196,21 @@ export function clippedShare({ size, planes }: Planes, factors: readonly number[
   const pixels = size[0] * size[1];
   // Odd, so that the pixels are not those of few columns.
   const step = Math.max(1, Math.ceil(pixels / SAMPLES)) | 1;
-  const xyz: [number, number, number] = [0, 0, 0];
-  let [count, clipped] = [0, 0];
+  const [[rx, ry, rz], [gx, gy, gz], [bx, by, bz]] = matrix as readonly [Triple, Triple, Triple];
+  let count = 0;
+  let clipped = 0;
   for (let pixel = 0; pixel < pixels; pixel += step, count++) {
-    xyz.fill(0);
+    let x = 0;
+    let y = 0;
+    let z = 0;
     for (let i = 0; i < planes.length; i++) {
-      const [plane, factor] = [planes[i]!, factors[i]!];
-      for (let k = 0; k < 3; k++) xyz[k]! += factor * values[plane[3 * pixel + k]!]!;
+      const plane = planes[i]!;
+      const factor = factors[i]!;
+      x += factor * values[plane[3 * pixel]!]!;
+      y += factor * values[plane[3 * pixel + 1]!]!;
+      z += factor * values[plane[3 * pixel + 2]!]!;
     }
-    if (isClipped(times(matrix, xyz))) clipped += 1;
+    if (Math.max(rx * x + ry * y + rz * z, gx * x + gy * y + gz * z, bx * x + by * y + bz * z) > CLIPPED) clipped += 1;
   }
   return count > 0 ? clipped / count : 0;
 }

@@ -83,7 +83,7 @@ export function useDrawing(draw: (canvas: HTMLCanvasElement) => ((painter: Paint
     next.current = 0;
     const canvas = ref.current;
     if (!canvas || !latest.current) return;
-    painter.current ??= painterOf(canvas, new URLSearchParams(location.search).has("canvas"));
+    painter.current ??= painterOf(canvas);
     canvas.dataset["painter"] = painter.current.name;
     latest.current(painter.current);
     latest.current = null;

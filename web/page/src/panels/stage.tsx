@@ -1,6 +1,6 @@
 // The stage: the display in a room. On it are the page of text and photograph; the handles of light and eye are above it.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { useSignalEffect } from "@preact/signals";
 
 import { Room } from "../drawing/room.tsx";
@@ -33,13 +33,14 @@ import { Problems } from "./problems.tsx";
 
 /** Requests the picture while it is visible. */
 export function usePicture(): void {
-  useEffect(() => unfollow, []);
+  const me = useRef({}).current;
+  useEffect(() => () => unfollow(me), []);
   useSignalEffect(() => {
     const isVisible = !compact.value || part.value === "details";
     // What determines the picture.
     void [text.value, fileIds.value, pictureName.value, tilt.value, holds.value, isTilting.value, answer.value];
-    if (isVisible) follow();
-    else unfollow();
+    if (isVisible) follow(me);
+    else unfollow(me);
   });
 }
 

@@ -99,7 +99,7 @@ void main() {
   vec2 border = floor(pixel + 0.5);
   vec2 near = border + clamp((pixel - border) / max(width, 1e-6), -0.5, 0.5);
   vec2 sampled = mix(pixel, near, vec2(lessThan(width, vec2(1.0))));
-  vec3 light = LIGHT.rgb;
+  vec3 light = textureGrad(picture, sampled / size, across / size, along / size).rgb;
   if (windowCount > 0 && max(width.x, width.y) * ${LARGE_PX.toFixed(1)} < 1.0) {
     vec2 inside = vec2(fract(pixel.x), 1.0 - fract(pixel.y));
     int window = windowCount;
@@ -111,11 +111,6 @@ void main() {
   if (lampCount + veilCount > 0) light += inTheEye(point);
   colour = vec4(encoded(light) * covered, covered);
 }`;
-
-/** The mean over a pixel of the canvas. */
-const OBLIQUE = "textureGrad(picture, sampled / size, across / size, along / size)";
-/** The mean over a square of its area, in half of the time where the processor draws. */
-const SQUARE = "textureLod(picture, sampled / size, 0.5 * log2(max(1.0, width.x) * max(1.0, width.y)))";
 
 type GL = WebGL2RenderingContext;
 
@@ -152,18 +147,21 @@ function texture(gl: GL, target: number, filter: number, small = filter): WebGLT
 }
 
 /** Whether WebGL computes with 16-bit floating point numbers. */
-const isAble = (gl: GL | null): boolean =>
+const isAble = (gl: GL | null): gl is GL =>
   gl !== null &&
   (gl.getExtension("EXT_color_buffer_float") ?? gl.getExtension("EXT_color_buffer_half_float")) !== null;
 
 let able: boolean | null = null;
 
-/** Returns a painter by WebGL2; null if the browser has none that can draw the picture. */
-export function onGraphics(canvas: HTMLCanvasElement): Painter | null {
+/**
+ * Returns a painter by WebGL2; null if the browser has none that can draw the picture, or none by a graphics processor, unless it is wanted
+ * `anyhow`.
+ */
+export function onGraphics(canvas: HTMLCanvasElement, anyhow: boolean): Painter | null {
   // A canvas with a WebGL context can have no other one: another canvas is tried first.
   if (able === null) {
     const trial = document.createElement("canvas").getContext("webgl2");
-    able = isAble(trial);
+    able = isAble(trial) && (anyhow || !isSoftware(trial));
     trial?.getExtension("WEBGL_lose_context")?.loseContext();
   }
   const gl = able ? canvas.getContext("webgl2", { antialias: false }) : null;
@@ -189,7 +187,7 @@ class Graphics implements Painter {
     private readonly canvas: HTMLCanvasElement,
   ) {
     this.adding = program(gl, ADD_UP);
-    this.drawing = program(gl, DRAW.replace("LIGHT", isSoftware(gl) ? SQUARE : OBLIQUE));
+    this.drawing = program(gl, DRAW);
     this.target = gl.createFramebuffer();
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     // Every sampler needs a texture of its kind, also where it is not read.

@@ -200,7 +200,8 @@ const nameOf = ({ picture }: Wanted): string => {
 const motif = (of: Wanted): string => JSON.stringify([of.picture, of.halftone]);
 
 let running = false;
-let stopped = true;
+/** The part of the page that shows the picture; null: none does, and nothing is requested. */
+let viewer: object | null = null;
 /** The last request that was answered, and how many of its halftones are computed; none: its states were held. */
 let done = { what: "", steps: 0 };
 /** The request for which files were sent again. */
@@ -212,9 +213,9 @@ let abort: AbortController | null = null;
 /** The request in progress, when it was sent, and whether it is a search, which gives way at once. */
 let flying = { what: "", since: 0, isSearch: false };
 
-/** Requests the picture if anything has changed. Called whenever it may have. */
-export function follow(): void {
-  stopped = false;
+/** Requests the picture if anything has changed, for the part of the page that shows it. Called whenever it may have. */
+export function follow(by: object): void {
+  viewer = by;
   const what = wantedKey.value;
   clearTimeout(rest);
   const flight = abort;
@@ -230,15 +231,16 @@ export function follow(): void {
   rest = setTimeout(() => void run(true), done.what === what && done.steps > 0 ? 0 : REST_MS);
 }
 
-/** Stops requesting while the picture is not visible. */
-export function unfollow(): void {
-  stopped = true;
+/** Stops requesting while a part of the page does not show the picture, unless another part has taken it over. */
+export function unfollow(by: object): void {
+  if (viewer !== by) return;
+  viewer = null;
   clearTimeout(rest);
   abort?.abort();
 }
 
 async function run(isResting: boolean): Promise<void> {
-  if (running || stopped) return;
+  if (running || viewer === null) return;
   running = true;
   const request = wanted();
   const [what, design, picture] = [keyOf(request), revisionOf(request.scenario, keptIds.value), nameOf(request)];
@@ -283,7 +285,7 @@ async function run(isResting: boolean): Promise<void> {
     running = false;
   }
   if (wait > 0) await new Promise((resolve) => setTimeout(resolve, wait));
-  if (!stopped) follow();
+  if (viewer) follow(viewer);
 }
 
 /** Returns a file of the picture in full size, as `papilio image` and `papilio palette` write it. */

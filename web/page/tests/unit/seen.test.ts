@@ -9,7 +9,7 @@ import { glareFunction, glareOf, veil, type Lamp } from "../../src/model/glare.t
 import { brighter, clippedShare, D65, exposure, halfValues, intensities, mixed, onScreen, unpacked } from "../../src/model/seen.ts";
 import { lamps, mirrors } from "../../src/panels/image-parts.ts";
 import type { Scenery } from "../../src/plots/seen.ts";
-import { colourAt, linear } from "../../src/plots/seen-2d.ts";
+import { colours, linear } from "../../src/plots/seen-2d.ts";
 
 /** The bits of a number that 16 bits represent exactly. */
 const bits = (value: number): number => halfValues().findIndex((known) => known === value);
@@ -98,6 +98,12 @@ test("screen in a room has its own light and what it reflects", () => {
   close(times(bright.matrix, bright.white), [1 / 3.04, 1 / 3.04, 1 / 3.04], 2e-4);
 });
 
+/** The light at a point of the canvas; null beside the display. */
+function colourAt(of: Scenery, pixels: Float32Array, x: number, y: number): Triple | null {
+  const into = new Float64Array(4);
+  return colours(of, pixels)(x, y, into) ? [into[0]!, into[1]!, into[2]!] : null;
+}
+
 test("colours on the canvas are those of the pixels, and means where pixels are small", () => {
   const seen = unpacked(response());
   const identity: Triple[] = [
@@ -120,6 +126,56 @@ test("colours on the canvas are those of the pixels, and means where pixels are 
   close(colourAt(of([30, 10], 30), pixels, 15.5, 5.5)!, [0.125, 0.125, 0.125]);
   assert.equal(colourAt(of([40, 10], 30), pixels, 4.5, 5.5), null);
   close(colourAt(of([1, 1], 1), pixels, 0.5, 0.5)!, [0.25, 0.25, 0.25]);
+});
+
+test("pixels of the canvas have the mean of what they show, between the projections of their corners", () => {
+  // A ramp is its own mean, and a picture seen obliquely is where each of its points is projected to.
+  const [columns, rows] = [40, 30];
+  const planes = [new Uint16Array(3 * columns * rows)];
+  const picture = { size: [columns, rows] as const, planes };
+  const lit = { picture, factors: [1], added: [0, 0, 0] as Triple, matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] as const };
+  const pixels = new Float32Array(3 * columns * rows);
+  for (let i = 0; i < columns * rows; i++) pixels.set([i % columns, Math.floor(i / columns), 1], 3 * i);
+  for (const [tilt, scale, most] of [[0, 11, 1e-9], [0, 300, 1e-9], [50, 23, 0.02], [-60, 30, 0.02]] as const) {
+    const from = camera(tiltOf(tilt, 20), 8, rows / columns);
+    const frame: Frame = { canvas: [90, 70], scale, middle: [0.1, -0.05] };
+    const at = colours({ lit, camera: from, frame, mirrors: [], veils: [], subPixels: null }, pixels);
+    const into = new Float64Array(4);
+    let [count, worst] = [0, 0];
+    for (let y = 0.5; y < 70; y++)
+      for (let x = 0.5; x < 90; x++) {
+        const corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([dx, dy]) => pointAt(from, frame, x + dx!, y + dy!)!);
+        const places = corners.map(([p, q]) => [(p + 0.5) * columns, (0.5 - (q * columns) / rows) * rows] as const);
+        const low = [0, 1].map((k) => Math.min(...places.map((one) => one[k as 0 | 1])));
+        const high = [0, 1].map((k) => Math.max(...places.map((one) => one[k as 0 | 1])));
+        const isInside = low[0]! >= 0 && low[1]! >= 0 && high[0]! <= columns && high[1]! <= rows;
+        const isOutside = high[0]! < 0 || high[1]! < 0 || low[0]! > columns || low[1]! > rows;
+        if (isOutside) assert.equal(at(x, y, into), false, `${x}, ${y}`);
+        if (!isInside) continue;
+        assert.ok(at(x, y, into));
+        close([into[2]!, into[3]!], [1, 1], 1e-9);
+        // The mean of floor(u) between two places.
+        const mean = (k: 0 | 1): number => {
+          const primitive = (t: number) => (Math.floor(t) * (Math.floor(t) - 1)) / 2 + Math.floor(t) * (t - Math.floor(t));
+          return (primitive(high[k]!) - primitive(low[k]!)) / (high[k]! - low[k]!);
+        };
+        for (const k of [0, 1] as const) worst = Math.max(worst, Math.abs(into[k]! - mean(k)) / (1 + high[k]! - low[k]!));
+        count++;
+      }
+    // Seen obliquely, what a pixel shows is computed to first order in its size.
+    assert.ok(count > 50 && worst < most, `${tilt}: ${count} pixels, ${worst}`);
+  }
+});
+
+test("borders of the display cover their pixels of the canvas in part", () => {
+  const picture = { size: [1, 1] as const, planes: [Uint16Array.of(bits(0.5), bits(0.5), bits(0.5))] };
+  const lit = { picture, factors: [1], added: [0, 0, 0] as Triple, matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] as const };
+  // A square of 10.5 pixels in the middle of 21: its left border is at 5.25.
+  const frame: Frame = { canvas: [21, 21], scale: 10.5, middle: [0, 0] };
+  const at = colours({ lit, camera: camera([0, 0], 4, 1), frame, mirrors: [], veils: [], subPixels: null }, linear(lit));
+  const into = new Float64Array(4);
+  const covered = (x: number) => (at(x, 10.5, into) ? into[3]! : 0);
+  close([4.5, 5.5, 6.5, 15.5, 16.5].map(covered), [0, 0.75, 1, 0.75, 0], 1e-9);
 });
 
 /** A lamp to the right, 10 times as bright as a perfect white in its mirror image. */
