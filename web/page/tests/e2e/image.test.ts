@@ -123,13 +123,14 @@ test("default halftone is shown before the search, unless one is chosen", { time
     const { halftone, held } = request.postDataJSON() as { halftone: string | null; held?: string };
     if (held === undefined) halftones.push(halftone);
   });
-  await example(page, "six-ink");
   const caption = page.locator(".seen-display figcaption");
-  // The server may have found the better one before: all words are kept, however short they are shown.
-  await caption.evaluate((node) => {
+  // The server may know the better one from before: all words are kept, however short they are shown.
+  await page.evaluate(() => {
     const words: string[] = ((globalThis as any).words = []);
-    new MutationObserver(() => words.push((node as HTMLElement).innerText)).observe(node, { childList: true, characterData: true, subtree: true });
+    const look = () => words.push(document.querySelector<HTMLElement>(".seen-display figcaption")?.innerText ?? "");
+    new MutationObserver(look).observe(document.body, { childList: true, characterData: true, subtree: true });
   });
+  await example(page, "six-ink");
   await caption.getByText("prepared for this light and view by direct binary search").waitFor({ timeout: 60_000 });
   const words = await page.evaluate<string[]>("words");
   assert.ok(words.some((one) => one.includes("by refined error diffusion; a better one is being searched for")), words.join());
