@@ -127,8 +127,9 @@ test("default halftone is shown before the search, unless one is chosen", { time
   // The server may know the better one from before: all words are kept, however short they are shown.
   await page.evaluate(() => {
     const words: string[] = ((globalThis as any).words = []);
-    const look = () => words.push(document.querySelector<HTMLElement>(".seen-display figcaption")?.innerText ?? "");
-    new MutationObserver(look).observe(document.body, { childList: true, characterData: true, subtree: true });
+    new MutationObserver(() =>
+      words.push(document.querySelector<HTMLElement>(".seen-display figcaption")?.innerText ?? ""),
+    ).observe(document.body, { childList: true, characterData: true, subtree: true });
   });
   await example(page, "six-ink");
   await caption.getByText("prepared for this light and view by direct binary search").waitFor({ timeout: 60_000 });
