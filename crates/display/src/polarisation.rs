@@ -350,7 +350,8 @@ fn media_between(stack: &Stack) -> Vec<Medium> {
 /// With a polariser or polarised light.
 pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
     if let Some(Asked { key, .. }) = Asked::of(scene) {
-        let needs = "`papilio run`, `cone` or `sweep`: light with its places counts as unpolarised";
+        let needs = "`papilio run`, `cone` or `sweep`, or a picture on a liquid crystal without scatterer in light without lamps: other light \
+             with its places counts as unpolarised";
         return Err(DisplayError::Polarised { key, needs });
     }
     let mut scene = scene.clone();
@@ -361,13 +362,12 @@ pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
 }
 
 /// Returns the scene for pictures whose pixels have the colours of pages: as [`of_places`], but bare liquid crystals without lamps, whose images
-/// are drawn apart, are those of `papilio run`.
+/// are drawn apart, are those of `papilio run`, through a polariser and in polarised light, too.
 ///
 /// # Errors
-/// With a polariser or polarised light.
+/// With a polariser or polarised light, elsewhere.
 pub(crate) fn of_pages(scene: &Scene) -> Result<Scene, DisplayError> {
-    let places = of_places(scene)?;
-    Ok(if is_whole_in_pages(scene) { scene.clone() } else { places })
+    if is_whole_in_pages(scene) { Ok(scene.clone()) } else { of_places(scene) }
 }
 
 fn is_whole_in_pages(scene: &Scene) -> bool {

@@ -76,8 +76,16 @@ impl Eye {
         let mut there = scene.clone();
         if place != [0.0; 2] {
             let [x, y, z] = self.towards_eye(place);
-            there.viewer.theta_deg = vec![x.hypot(y).atan2(z).to_degrees()];
-            there.viewer.phi_deg = vec![y.atan2(x).to_degrees()];
+            let viewer = &mut there.viewer;
+            let (theta, phi) = (x.hypot(y).atan2(z), y.atan2(x));
+            if let (Some(angle_deg), [theta_deg], [phi_deg]) =
+                (&mut viewer.polariser_deg, &viewer.theta_deg[..], &viewer.phi_deg[..])
+            {
+                let middle = [theta_deg, phi_deg].map(|angle| angle.to_radians());
+                *angle_deg = turned(angle_deg.to_radians(), middle, [theta, phi]).to_degrees();
+            }
+            viewer.theta_deg = vec![theta.to_degrees()];
+            viewer.phi_deg = vec![phi.to_degrees()];
         }
         there
     }
@@ -289,6 +297,19 @@ impl Polynomials {
 /// Place number `k` of Chebyshev, from -1 (0) to 1 (`count`).
 fn chebyshev(k: usize, count: usize) -> f64 {
     if 2 * k == count { 0.0 } else { -(PI * k as f64 / count as f64).cos() }
+}
+
+/// The angle that a polariser has in another view, from its plane of incidence, if it does not turn with the view.
+fn turned(angle: f64, from: [f64; 2], to: [f64; 2]) -> f64 {
+    // Unit vectors in the plane of incidence and across it, counter-clockwise as seen by the viewer.
+    let vectors = |[theta, phi]: [f64; 2]| {
+        let [(sin, cos), (sin_phi, cos_phi)] = [theta.sin_cos(), phi.sin_cos()];
+        [[cos * cos_phi, cos * sin_phi, -sin], [-sin_phi, cos_phi, 0.0]]
+    };
+    let [[p, s], there] = [vectors(from), vectors(to)];
+    let axis: [f64; 3] = std::array::from_fn(|k| angle.cos() * p[k] + angle.sin() * s[k]);
+    let [along, across] = there.map(|one| one.iter().zip(axis).map(|(a, b)| a * b).sum::<f64>());
+    across.atan2(along)
 }
 
 /// Place of the middle of a pixel, from -1 to 1.

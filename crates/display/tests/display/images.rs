@@ -15,7 +15,7 @@ use papilio_scenario::Scenario;
 use papilio_testing::{Dice, everyday};
 use papilio_transport::walk::places::{Pattern, SeenFrom};
 
-use crate::common::prepared_for;
+use crate::common::{prepared_for, scenario};
 
 const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.5\n";
 const MATRIX: &str = "[display.matrix]\nppi = 150\n";
@@ -274,6 +274,49 @@ fn from_pixel(display: &Scene, size: [usize; 2], [column, row]: [usize; 2], pitc
     there.viewer.theta_deg = vec![dx.hypot(dy).atan2(distance * theta.cos()).to_degrees()];
     there.viewer.phi_deg = vec![dy.atan2(dx).to_degrees()];
     there
+}
+
+/// A picture of one state seen through sunglasses: the middle of the panel and the middles of its sides have the colours of `run` in their own
+/// directions. The axis of the sunglasses is that of x: in the plane of incidence of what is to the side, and across that of what is above.
+#[test]
+fn pictures_through_sunglasses_have_the_colours_of_pages() {
+    let panel = ["display.matrix.pitch_um=10000", "display.matrix.pixels=[9,9]", "viewer.distance_mm=100"];
+    let page = |view: [f64; 2], angle_deg: f64| {
+        let [theta, phi] = view;
+        let sets = [
+            format!("viewer.theta_deg={theta}"),
+            format!("viewer.phi_deg={phi}"),
+            format!("viewer.polariser={angle_deg}"),
+        ];
+        let sets: Vec<&str> = panel.into_iter().chain(sets.iter().map(String::as_str)).collect();
+        scenario("lcd-sunglasses", &sets).unwrap().scene
+    };
+    let y = |view, angle_deg| {
+        crate::common::run(&page(view, angle_deg)).unwrap().views[0].states.get("white").unwrap().value.Y
+    };
+    let source = SourceImage { columns: 9, pixels: vec![[0.95047, 1.0, 1.08883]; 81] };
+    let settings = ImageSettings { perspective: true, ..ImageSettings::default() };
+    let front = page([0.0, 0.0], 0.0);
+    let found = control(|control| image(&front, &source, &settings, Screen::default(), control));
+    assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
+    let oblique = 40_f64.atan2(100.0).to_degrees();
+    for (place, view, angle_deg) in [
+        ([4, 4], [0.0, 0.0], 0.0),
+        ([0, 4], [oblique, 0.0], 0.0),
+        ([8, 4], [oblique, 180.0], 0.0),
+        ([4, 0], [oblique, -90.0], 90.0),
+        ([4, 8], [oblique, 90.0], -90.0),
+    ] {
+        let [seen, expected] = [f64::from(found.seen[9 * place[1] + place[0]][1]), y(view, angle_deg)];
+        // Directions of the panel are interpolated between places, and those of the pixel in its table.
+        assert!(
+            (seen - expected).abs() < found.numbers.error,
+            "{place:?}: {seen} {expected} {}",
+            found.numbers.error
+        );
+    }
+    // A polariser that turned with the view would be closed there.
+    assert!(y([oblique, -90.0], 90.0) > y([oblique, -90.0], 0.0) + 0.2);
 }
 
 /// A lamp with a radius has its image in the face and in mirrors at the places where a page seen in that

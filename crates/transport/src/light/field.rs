@@ -272,6 +272,11 @@ impl Radiance for Product {
     fn span(&self) -> [f64; 2] {
         self.radiance.span()
     }
+
+    /// A factor may: that of a polarised sky, whose luminance is round, does.
+    fn has_azimuths(&self) -> bool {
+        true
+    }
 }
 
 /// Adds a little light everywhere to radiances of cells from which directions are sampled.

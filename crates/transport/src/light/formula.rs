@@ -35,6 +35,11 @@ pub trait Radiance: Debug + Send + Sync {
     fn is_even(&self) -> bool {
         false
     }
+
+    /// Returns true if it depends on the azimuth, even where its edges do not.
+    fn has_azimuths(&self) -> bool {
+        false
+    }
 }
 
 /// A circle on the sphere of directions at which a radiance is not smooth; a point if its radius is zero.
@@ -181,9 +186,9 @@ impl Formula {
         self.radiance.span()
     }
 
-    /// Returns true if its edges are the same at all azimuths.
+    /// Returns true if it is the same at all azimuths.
     pub(crate) fn is_round(&self) -> bool {
-        self.seen.iter().all(PolarCircle::is_concentric)
+        !self.radiance.has_azimuths() && self.seen.iter().all(PolarCircle::is_concentric)
     }
 
     /// Returns the irradiance: the integral over the hemisphere by area of direction cosines.
