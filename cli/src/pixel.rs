@@ -39,15 +39,22 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         Some(Angles::Air) => scene.solver.angle_medium = AngleMedium::Air,
         Some(Angles::Glass) => scene.solver.angle_medium = AngleMedium::Glass,
     }
-    let theta_deg = angles(arguments.step.unwrap_or(STEP_DEG), &scene)?;
+    let phi_deg = azimuths(arguments);
+    let theta_deg = angles(arguments.step.unwrap_or(STEP_DEG), phi_deg.len(), &scene)?;
     let absorption =
         if arguments.absorption { Some(absorption_of(arguments, &resolved, &scene)?) } else { None };
     let folder = match (&arguments.scenario.out, arguments.json) {
         (None, true) => None,
         _ => Some(folder::choose(&arguments.scenario, &resolved)?),
     };
-    let scan = scan_at(&scene, &theta_deg, arguments.phi)
-        .map_err(|error| Failure::from_display(&resolved, error))?;
+    let scan =
+        scan_at(&scene, &theta_deg, &phi_deg).map_err(|error| Failure::from_display(&resolved, error))?;
+    let is_given = !arguments.phi.is_empty() || arguments.phi_step.is_some();
+    if is_given && scan.phi_deg.is_empty() {
+        print_notes(&[
+            "the reflectance of this pixel is the same at all azimuths: pixel.csv has none".to_owned()
+        ]);
+    }
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::output(arguments.json);
@@ -57,7 +64,9 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
             &json::PixelJson::new(&title, &resolved.hash, medium, &scan, absorption.as_ref()),
         )?;
     } else {
-        stdout.write_all(report::pixel(&title, medium, &peaks(&scene, &scan)).as_bytes())?;
+        stdout.write_all(
+            report::pixel(&title, medium, &peaks(&scene, &scan), scan.phi_deg.first().copied()).as_bytes(),
+        )?;
         if let Some(absorption) = &absorption {
             stdout.write_all(report::absorption(absorption, medium).as_bytes())?;
         }
@@ -82,7 +91,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
 
 /// Computes the absorptance of each layer; fails if it would be too large.
 fn absorption_of(arguments: &Pixel, resolved: &Resolved, scene: &Scene) -> Result<PixelAbsorption, Failure> {
-    let theta_deg = angles(arguments.step.unwrap_or(ABSORPTION_STEP_DEG), scene)?;
+    let theta_deg = angles(arguments.step.unwrap_or(ABSORPTION_STEP_DEG), 1, scene)?;
     if let scene::Pixel::Film(film) = &scene.display.pixel {
         let parts = film.states.len() * film.sub_pixels.len() * (film.layers.len() + 1);
         let numbers = theta_deg.len() * parts * scene.grid.len();
@@ -109,14 +118,30 @@ fn write_absorbed(
     Ok(write_file(&figure, |out| out.write_all(svg.as_bytes()))?)
 }
 
-/// Angles from 0 to 90 deg. Fails if the scan would be too large.
-fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
+/// Azimuths of the scan, ascending.
+fn azimuths(arguments: &Pixel) -> Vec<f64> {
+    if let Some(step) = arguments.phi_step {
+        let count = (180.0 / step).round() as usize;
+        return (0..count).map(|k| 180.0 * k as f64 / count as f64).collect();
+    }
+    let mut phi_deg = arguments.phi.clone();
+    phi_deg.sort_by(f64::total_cmp);
+    phi_deg.dedup();
+    if phi_deg.is_empty() { vec![0.0] } else { phi_deg }
+}
+
+/// Angles from 0 to 90 deg. Fails if the scan, at this number of azimuths, would be too large.
+fn angles(step: f64, azimuths: usize, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let steps = (90.0 / step).round() as usize;
-    let numbers = (steps + 1) * state_names(&scene.display.pixel).len() * scene.grid.len();
+    let numbers = (steps + 1) * azimuths * state_names(&scene.display.pixel).len() * scene.grid.len();
     if numbers > MOST_NUMBERS {
+        let (by_azimuth, coarser) = match azimuths {
+            1 => ("", ""),
+            _ => (" x azimuths", " fewer azimuths,"),
+        };
         return Err(Failure::Input(format!(
-            "the scan would have {numbers} numbers (angles x states x wavelengths); expected at most {MOST_NUMBERS}\n  \
-             = help: use a larger --step, a larger spectrum.step_nm or fewer states"
+            "the scan would have {numbers} numbers (angles{by_azimuth} x states x wavelengths); expected at most {MOST_NUMBERS}\n  \
+             = help: use{coarser} a larger --step, a larger spectrum.step_nm or fewer states"
         )));
     }
     Ok((0..=steps).map(|k| 90.0 * k as f64 / steps as f64).collect())
@@ -124,7 +149,14 @@ fn angles(step: f64, scene: &Scene) -> Result<Vec<f64>, Failure> {
 
 fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<(), Failure> {
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
-    let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
+    // The figure shows the first azimuth.
+    let (bins, azimuths) = (scan.wavelength_nm.len(), scan.phi_deg.len().max(1));
+    let rows = scan.states.iter().flat_map(|(_, values)| values.chunks(bins).step_by(azimuths));
+    let reflectance: Vec<f64> = rows.flatten().copied().collect();
+    let title = match scan.phi_deg.first() {
+        Some(phi) => format!("{title}, azimuth {phi} deg"),
+        None => title.to_owned(),
+    };
     let figure = Figure {
         states: &names,
         medium,
@@ -134,17 +166,17 @@ fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<()
     };
     let table = PixelTable {
         theta_deg: scan.theta_deg.clone(),
-        phi_deg: Vec::new(),
+        phi_deg: scan.phi_deg,
         wavelength_nm: scan.wavelength_nm.clone(),
         states: scan.states,
     };
     write_file(&folder.join("pixel.csv"), |out| table.write(out))?;
-    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure, title).as_bytes()))?)
+    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure, &title).as_bytes()))?)
 }
 
-/// Peak wavelength and largest reflectance from 400 to 700 nm of each state, at the angles of the table.
+/// Peak wavelength and largest reflectance from 400 to 700 nm of each state, at the angles of the table and the first azimuth.
 fn peaks(scene: &Scene, scan: &PixelScan) -> report::Peaks {
-    let bins = scan.wavelength_nm.len();
+    let (bins, azimuths) = (scan.wavelength_nm.len(), scan.phi_deg.len().max(1));
     let shown: Vec<usize> = SHOWN_DEG
         .iter()
         .filter_map(|deg| scan.theta_deg.iter().position(|theta| (theta - deg).abs() < 1e-9))
@@ -156,7 +188,11 @@ fn peaks(scene: &Scene, scan: &PixelScan) -> report::Peaks {
     let primaries = primaries(&scene.display.pixel);
     let of_state = |name: &String, values: &[f64]| {
         let peak = |row: &[f64]| peak_nm(&scene.grid, row).filter(|_| primaries.contains(name));
-        shown.iter().map(|at| &values[at * bins..][..bins]).map(|row| (peak(row), largest(row))).collect()
+        shown
+            .iter()
+            .map(|at| &values[at * azimuths * bins..][..bins])
+            .map(|row| (peak(row), largest(row)))
+            .collect()
     };
     report::Peaks {
         theta_deg: shown.iter().map(|at| scan.theta_deg[*at]).collect(),

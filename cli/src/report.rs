@@ -160,7 +160,7 @@ pub(crate) struct Peaks {
 }
 
 /// Report of `papilio pixel`.
-pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
+pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks, phi_deg: Option<f64>) -> String {
     let angles = peaks.theta_deg.iter().map(|theta| format!("{theta} deg"));
     let mut rows = vec![std::iter::once("state".to_owned()).chain(angles).collect::<Vec<_>>()];
     for (name, at_angles) in &peaks.states {
@@ -171,8 +171,9 @@ pub(crate) fn pixel(title: &str, medium: &str, peaks: &Peaks) -> String {
         rows.push(std::iter::once(name.clone()).chain(cells).collect());
     }
     let title = plain(title);
+    let azimuth = phi_deg.map_or(String::new(), |phi| format!(" at azimuth {phi} deg"));
     format!(
-        "{title}\n\npeak wavelength (nm) / largest reflectance from 400 to 700 nm, by angle in {medium}\n{}",
+        "{title}\n\npeak wavelength (nm) / largest reflectance from 400 to 700 nm, by angle in {medium}{azimuth}\n{}",
         table(&rows)
     )
 }

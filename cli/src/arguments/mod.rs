@@ -247,9 +247,14 @@ pub(crate) struct Pixel {
     /// Step of the angles in degrees, a divisor of 90 [default: 1, and 15 for --absorption]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: Option<f64>,
-    /// Azimuth from which the pixel is seen, degrees; it matters for liquid crystals and tables with azimuths
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true, value_parser = azimuth)]
-    pub(crate) phi: f64,
+    /// Azimuths from which the pixel is seen, degrees, separated by commas; they matter for liquid crystals and
+    /// tables with azimuths [default: 0]
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true, value_parser = azimuth)]
+    pub(crate) phi: Vec<f64>,
+    /// Azimuths from 0 to below 180 in steps of this, a divisor of 180: pixel.csv is then a whole table for
+    /// `model = "table"`
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = azimuth_step, conflicts_with = "phi")]
+    pub(crate) phi_step: Option<f64>,
     /// Also compute the absorptance of each layer of the film: absorption.csv, sub-pixels.csv and a figure
     #[arg(long)]
     pub(crate) absorption: bool,
@@ -289,6 +294,17 @@ fn angle_step(text: &str) -> Result<f64, String> {
         Ok(step)
     } else {
         Err("expected a step from 0.01 to 90 that divides 90".to_owned())
+    }
+}
+
+/// Parses a step in degrees that divides 180.
+fn azimuth_step(text: &str) -> Result<f64, String> {
+    let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    let steps = 180.0 / step;
+    if (2.0..=360.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9 {
+        Ok(step)
+    } else {
+        Err("expected a step from 0.5 to 90 that divides 180".to_owned())
     }
 }
 

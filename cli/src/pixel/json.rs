@@ -8,6 +8,16 @@ use serde::Serialize;
 /// Rows of angles, each with one number for each wavelength.
 type Table<'a> = Vec<&'a [f64]>;
 
+/// Reflectances of a state.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Reflectance<'a> {
+    /// `[angle][wavelength]`.
+    ByAngle(Table<'a>),
+    /// `[angle][azimuth][wavelength]`.
+    ByAzimuth(Vec<Table<'a>>),
+}
+
 /// What `papilio pixel --json` prints.
 #[derive(Debug, Serialize)]
 pub(super) struct PixelJson<'a> {
@@ -17,9 +27,12 @@ pub(super) struct PixelJson<'a> {
     /// Medium of the angles: `air` or `glass`.
     angles: &'a str,
     theta_deg: &'a [f64],
+    /// Azimuths; none if the reflectance is the same at all of them.
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    phi_deg: &'a [f64],
     wavelength_nm: &'a [f64],
-    /// Reflectance of each state, `[angle][wavelength]`.
-    reflectance: BTreeMap<&'a str, Table<'a>>,
+    /// Reflectance of each state.
+    reflectance: BTreeMap<&'a str, Reflectance<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     absorption: Option<AbsorptionJson<'a>>,
 }
@@ -54,19 +67,20 @@ impl<'a> PixelJson<'a> {
         scan: &'a PixelScan,
         absorption: Option<&'a PixelAbsorption>,
     ) -> Self {
-        let bins = scan.wavelength_nm.len();
+        let (bins, azimuths) = (scan.wavelength_nm.len(), scan.phi_deg.len());
+        let of = |values: &'a Vec<f64>| match azimuths {
+            0 => Reflectance::ByAngle(rows(values, bins)),
+            _ => Reflectance::ByAzimuth(values.chunks(azimuths * bins).map(|row| rows(row, bins)).collect()),
+        };
         Self {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash,
             angles,
             theta_deg: &scan.theta_deg,
+            phi_deg: &scan.phi_deg,
             wavelength_nm: &scan.wavelength_nm,
-            reflectance: scan
-                .states
-                .iter()
-                .map(|(name, values)| (name.as_str(), rows(values, bins)))
-                .collect(),
+            reflectance: scan.states.iter().map(|(name, values)| (name.as_str(), of(values))).collect(),
             absorption: absorption.map(AbsorptionJson::new),
         }
     }

@@ -47,6 +47,69 @@ fn pixel_scan_read_back_gives_the_same_display() {
     assert!((from_film - from_table).abs() < 2e-4 * from_film, "{from_film} {from_table}");
 }
 
+/// A liquid crystal, written by azimuth, read back as a table: the same reflectance at azimuths of the table and between them. One azimuth
+/// alone is no table of such a pixel, and a film has none.
+#[test]
+fn scan_by_azimuth_read_back_gives_the_same_display() {
+    let folder = tempfile::tempdir().unwrap();
+    let coarse = ["--set", "spectrum.range_nm=[400,700]", "--set", "spectrum.step_nm=100", "--step", "3"];
+    let scan = |name: &str, out: &str, more: &[&str]| {
+        let out = folder.path().join(out);
+        let output = papilio()
+            .arg("pixel")
+            .arg(scenario(name))
+            .args(coarse)
+            .args(more)
+            .arg("--out")
+            .arg(&out)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        (fs::read_to_string(out.join("pixel.csv")).unwrap(), stderr(&output))
+    };
+    let json = |file: &Path, more: &[&str]| -> serde_json::Value {
+        let output = papilio().arg("pixel").arg(file).args(coarse).arg("--json").args(more).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let (csv, _) = scan("mip-lcd", "all", &["--angles", "glass", "--phi-step", "5"]);
+    assert_eq!(csv.lines().next(), Some("state,theta_deg,phi_deg,wavelength_nm,reflectance"));
+    // 2 states, 31 angles, 36 azimuths, 4 wavelengths.
+    assert_eq!(csv.lines().count(), 1 + 2 * 31 * 36 * 4);
+    let table = "[spectrum]\nrange_nm = [400, 700]\nstep_nm = 100\n[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n\
+                 [display.pixel]\nmodel = \"table\"\nfile = \"FILE/pixel.csv\"\nangles = \"glass\"\n";
+    let file = folder.path().join("table.toml");
+    fs::write(&file, table.replace("FILE", "all")).unwrap();
+    let azimuths = ["--angles", "glass", "--phi", "-45,30,37"];
+    let (of_crystal, of_table) = (json(&scenario("mip-lcd"), &azimuths), json(&file, &azimuths));
+    assert_eq!(of_crystal["phi_deg"], serde_json::json!([-45.0, 30.0, 37.0]));
+    let mut swing = 0.0_f64;
+    for state in ["white", "black"] {
+        let number = |json: &serde_json::Value, theta: usize, phi: usize, bin: usize| {
+            json["reflectance"][state][theta][phi][bin].as_f64().unwrap()
+        };
+        // To 42 deg in glass: beyond, light is trapped, and changes quickly over angle and azimuth.
+        for (theta, phi, bin) in
+            (0..=14).flat_map(|t| (0..3).flat_map(move |p| (0..4).map(move |b| (t, p, b))))
+        {
+            let (a, b) = (number(&of_crystal, theta, phi, bin), number(&of_table, theta, phi, bin));
+            // Also at 37 deg, between its azimuths: the harmonics that are missing are smaller.
+            assert!((a - b).abs() < 1e-9, "{state} {theta} {phi} {bin}: {a} {b}");
+            swing = swing.max((a - number(&of_crystal, theta, 0, bin)).abs());
+        }
+    }
+    assert!(swing > 0.02, "{swing}");
+    let (csv, _) = scan("mip-lcd", "one", &["--phi", "45"]);
+    assert!(csv.lines().nth(1).unwrap().starts_with("white,0,45,400,"), "{csv}");
+    fs::write(&file, table.replace("FILE", "one")).unwrap();
+    let refused = papilio().arg("run").arg(&file).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("--phi-step"), "{}", stderr(&refused));
+    let (csv, said) = scan("reference-pixel", "film", &["--phi", "45"]);
+    assert_eq!(csv.lines().next(), Some("state,theta_deg,wavelength_nm,reflectance"));
+    assert!(said.contains("same at all azimuths"), "{said}");
+}
+
 #[test]
 fn pixel_scan_in_glass_is_accepted_below_any_front() {
     let folder = tempfile::tempdir().unwrap();

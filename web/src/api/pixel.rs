@@ -122,7 +122,7 @@ fn scanned(
     check((steps + 1) * state_names(&scene.display.pixel).len() * scene.grid.len())?;
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.as_deref().unwrap_or_default();
-    let scan = scan_at(scene, &angles(steps), phi_deg).map_err(fault)?;
+    let scan = scan_at(scene, &angles(steps), &[phi_deg]).map_err(fault)?;
     let states: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     let reflectance: Vec<f64> = scan.states.iter().flat_map(|(_, values)| values.iter().copied()).collect();
     let drawing = Drawing {
@@ -135,7 +135,7 @@ fn scanned(
     let mut figures = vec![Figure { name: "pixel".to_owned(), svg: pixel_scan(&drawing, title) }];
     let table = PixelTable {
         theta_deg: scan.theta_deg.clone(),
-        phi_deg: Vec::new(),
+        phi_deg: scan.phi_deg,
         wavelength_nm: scan.wavelength_nm.clone(),
         states: scan.states,
     };

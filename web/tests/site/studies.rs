@@ -120,7 +120,7 @@ fn pixel_scan_equals_that_of_the_command_line() {
     let resolved =
         Scenario::from_text(&scenario, "s", folder(), &[]).unwrap().resolve_without_light().unwrap();
     let theta_deg: Vec<f64> = (0..=90).map(f64::from).collect();
-    let scan = scan_at(&resolved.scene, &theta_deg, 0.0).unwrap();
+    let scan = scan_at(&resolved.scene, &theta_deg, &[0.0]).unwrap();
     let wavelength_nm = scan.wavelength_nm;
     let table = PixelTable { theta_deg, phi_deg: Vec::new(), wavelength_nm, states: scan.states };
     let mut wanted = Vec::new();

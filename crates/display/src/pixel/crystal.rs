@@ -229,6 +229,11 @@ impl Crystal {
         rows.flat_map(|row| row.iter().copied().chain(vec![0.0; (count - own) * bins])).collect()
     }
 
+    /// Returns whether the reflectance depends on azimuth, at angles in air or also at all those in glass.
+    pub(super) fn is_azimuthal(&self, in_air: bool) -> Result<bool, OpticsError> {
+        Ok(self.count(!in_air)? > 1)
+    }
+
     /// Returns the number of harmonics that suffice, an odd number.
     fn count(&self, in_glass: bool) -> Result<usize, OpticsError> {
         let in_air = self.count_at(STEEP, true, HARMONIC_ERROR)?;

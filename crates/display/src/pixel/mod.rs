@@ -34,9 +34,11 @@ use crate::{DisplayError, polarisation, setup};
 pub struct PixelScan {
     /// Angles, degrees.
     pub theta_deg: Vec<f64>,
+    /// Azimuths to which light leaves, degrees; empty if the reflectance is the same at all azimuths.
+    pub phi_deg: Vec<f64>,
     /// Wavelengths, nm.
     pub wavelength_nm: Vec<f64>,
-    /// Name and reflectance of each state, shape `[angle][wavelength]`.
+    /// Name and reflectance of each state, shape `[angle][wavelength]` or `[angle][azimuth][wavelength]`.
     pub states: Vec<(String, Vec<f64>)>,
 }
 
@@ -80,15 +82,15 @@ pub fn primaries(pixel: &Pixel) -> Vec<String> {
 /// # Errors
 /// If the film is invalid, or the pixel scatters.
 pub fn scan(scene: &Scene, theta_deg: &[f64]) -> Result<PixelScan, DisplayError> {
-    scan_at(scene, theta_deg, 0.0)
+    scan_at(scene, theta_deg, &[0.0])
 }
 
 /// Computes the reflectance of the pixel alone, without front, surface or diffuser, at these angles (0 to 90
-/// deg) in the medium of the scene's angles, seen from the azimuth `phi_deg`.
+/// deg) in the medium of the scene's angles, seen from each of the azimuths `phi_deg`, at least one.
 ///
 /// # Errors
 /// If the film is invalid, or the pixel scatters.
-pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelScan, DisplayError> {
+pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: &[f64]) -> Result<PixelScan, DisplayError> {
     let pixel = &scene.display.pixel;
     if let Pixel::Scattering(_) = pixel {
         return Err(DisplayError::ScanOfScattering);
@@ -100,10 +102,10 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
     let mut states: Vec<(String, Vec<f64>)> =
         state_names(pixel).into_iter().map(|name| (name, Vec::new())).collect();
     let count = states.len();
-    let mut keep = |at_angle: &[f64]| {
-        states.iter_mut().zip(at_angle.chunks_exact(bins)).for_each(|((_, all), row)| all.extend(row));
+    let mut keep = |in_direction: &[f64]| {
+        states.iter_mut().zip(in_direction.chunks_exact(bins)).for_each(|((_, all), row)| all.extend(row));
     };
-    if let Pixel::Film(film) = pixel {
+    let is_azimuthal = if let Pixel::Film(film) = pixel {
         let mixture = Mixture::new(film)?;
         let beta = if in_air { Beta::Air } else { Beta::InGlass };
         let basis = Film::new(film, &scene.grid, index, &mixture.gaps_nm, beta)?.reflectance(&sines)?;
@@ -113,38 +115,48 @@ pub fn scan_at(scene: &Scene, theta_deg: &[f64], phi_deg: f64) -> Result<PixelSc
             table.reflectance(0.0, &Medium::new(index.clone()), &mut out);
             keep(&out);
         }
+        false
     } else if let Pixel::Crystal(pixel) = pixel {
         // Without reciprocity, and without the table: as a test of both.
         let crystal = crystal::Crystal::new(pixel, &scene.grid, index)?;
+        let is_azimuthal = crystal.is_azimuthal(in_air)?;
+        let phi_deg = if is_azimuthal { phi_deg } else { &[0.0] };
         for sine in sines {
-            let mut out = crystal.reflectance(sine, in_air, &[phi_deg])?;
+            let mut out = crystal.reflectance(sine, in_air, phi_deg)?;
             let inactive = pixel.inactive_reflectance.iter().map(|r| (1.0 - pixel.fill_factor) * r);
             let inactive: Vec<f64> = inactive.collect();
             for row in out.chunks_exact_mut(bins) {
                 row.iter_mut().zip(&inactive).for_each(|(r, more)| *r = *r * pixel.fill_factor + more);
             }
-            keep(&out);
+            out.chunks_exact(count * bins).for_each(&mut keep);
         }
+        is_azimuthal
     } else {
         let base = base(scene, &mut None, None, (None, None))?;
         let medium = setup::medium(scene);
         let scale = setup::angle_index(scene)?;
-        let (sin, cos) = phi_deg.to_radians().sin_cos();
+        let mut out = vec![0.0; count * bins];
         for sine in sines {
-            let mut out = vec![0.0; count * bins];
-            let beta = papilio_optics::Beta { x: scale * sine * cos, y: scale * sine * sin };
-            match base.is_azimuthal() {
-                true => base.reflectance_towards(beta, &medium, &mut out),
-                false => base.reflectance((scale * sine).powi(2), &medium, &mut out),
+            if !base.is_azimuthal() {
+                base.reflectance((scale * sine).powi(2), &medium, &mut out);
+                keep(&out);
+                continue;
             }
-            keep(&out);
+            for phi_deg in phi_deg {
+                let (sin, cos) = phi_deg.to_radians().sin_cos();
+                let beta = papilio_optics::Beta { x: scale * sine * cos, y: scale * sine * sin };
+                base.reflectance_towards(beta, &medium, &mut out);
+                keep(&out);
+            }
         }
-    }
+        base.is_azimuthal()
+    };
     if states.iter().any(|(_, values)| values.iter().any(|value| !value.is_finite())) {
         return Err(DisplayError::NotFinite);
     }
     let wavelength_nm = scene.grid.wavelengths_nm();
-    Ok(PixelScan { theta_deg: theta_deg.to_vec(), wavelength_nm, states })
+    let phi_deg = if is_azimuthal { phi_deg.to_vec() } else { Vec::new() };
+    Ok(PixelScan { theta_deg: theta_deg.to_vec(), phi_deg, wavelength_nm, states })
 }
 
 /// Computes the pixel as the base of a stack. The reflectances of a film are taken from the previous base,

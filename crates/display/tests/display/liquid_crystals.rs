@@ -41,7 +41,7 @@ fn views_at_any_azimuth_see_the_pixel_at_that_azimuth() {
     let scene = twisted(&[&angles[..], &["display.glass.surface=ideal-ar"]].concat());
     let found = spectra(&scene);
     for (at, (theta_deg, phi_deg)) in scene.viewer.directions().enumerate() {
-        let alone = scan_at(&scene, &[theta_deg], phi_deg).unwrap();
+        let alone = scan_at(&scene, &[theta_deg], &[phi_deg]).unwrap();
         for ((_, pixel), seen) in alone.states.iter().zip(&found[at]) {
             for (pixel, seen) in pixel.iter().zip(seen) {
                 assert!((seen - pixel).abs() < 5e-4, "{theta_deg} {phi_deg}: {seen} {pixel}");
@@ -54,7 +54,7 @@ fn views_at_any_azimuth_see_the_pixel_at_that_azimuth() {
 #[test]
 fn azimuths_matter_and_opposite_ones_are_equal() {
     let scene = twisted(&[]);
-    let at = |phi_deg: f64| scan_at(&scene, &[50.0], phi_deg).unwrap().states.swap_remove(0).1;
+    let at = |phi_deg: f64| scan_at(&scene, &[50.0], &[phi_deg]).unwrap().states.swap_remove(0).1;
     let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(difference(&at(70.0), &at(250.0)) < 1e-10);
     assert!(difference(&at(70.0), &at(-70.0)) > 1e-3);
@@ -94,7 +94,7 @@ fn circular_polariser_leaves_the_square_of_the_cosine() {
     )
     .unwrap()
     .scene;
-    let found = scan_at(&scene, &[0.0], 0.0).unwrap().states.swap_remove(0).1;
+    let found = scan_at(&scene, &[0.0], &[0.0]).unwrap().states.swap_remove(0).1;
     for (k, expected) in [(0, 0.058_489), (2, 0.0), (4, 0.028_636)] {
         assert!((found[k] - expected).abs() < 2e-3 * expected + 2e-4, "{}: {}", k, found[k]);
     }
@@ -108,7 +108,7 @@ fn cholesteric_paper_reflects_the_bands_of_its_helices() {
         scenario("cholesteric", &["spectrum.range_nm=[400,700]", "spectrum.step_nm=4"]).unwrap().scene;
     let mean = 1.6;
     for (theta_deg, tolerance) in [(0.0_f64, 0.02), (30.0, 0.03)] {
-        let scan = scan_at(&scene, &[theta_deg], 0.0).unwrap();
+        let scan = scan_at(&scene, &[theta_deg], &[0.0]).unwrap();
         let cosine = (1.0 - (theta_deg.to_radians().sin() / mean).powi(2)).sqrt();
         for (state, pitch_nm) in [("blue", 288.0), ("green", 337.0), ("red", 394.0)] {
             let (_, spectrum) = scan.states.iter().find(|(name, _)| name == state).unwrap();
@@ -156,7 +156,7 @@ fn haze_film_above_a_cell_is_an_integral_over_directions() {
                 continue;
             }
             let leaves = 0.81 * lobe.fraction_in_disc(x.hypot(y), 1.0) / (steps * steps) as f64;
-            let scan = scan_at(&alone, &[sine.asin().to_degrees()], y.atan2(x).to_degrees()).unwrap();
+            let scan = scan_at(&alone, &[sine.asin().to_degrees()], &[y.atan2(x).to_degrees()]).unwrap();
             for (sum, (_, pixel)) in sums.iter_mut().zip(&scan.states) {
                 sum.iter_mut().zip(pixel).for_each(|(sum, r)| *sum += leaves * r);
             }

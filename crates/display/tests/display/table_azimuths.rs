@@ -94,7 +94,7 @@ fn pixel_alone_is_the_table_and_its_interpolation() {
         for (theta_deg, phi_deg) in
             [(0.0, 0.0), (40.0, 60.0), (70.0, 47.0), (40.0, -133.0), (57.0, 200.0), (90.0, 5.0)]
         {
-            let scan = scan_at(&scene, &[theta_deg], phi_deg).unwrap();
+            let scan = scan_at(&scene, &[theta_deg], &[phi_deg]).unwrap();
             let found: Vec<Vec<f64>> = scan.states.into_iter().map(|(_, row)| row).collect();
             each(&found, |state, bin, r| {
                 let expected = between(state, theta_deg, phi_deg, bin);

@@ -44,7 +44,9 @@ impl Grid {
             let wrong = Diagnostic::new("this table has one azimuth only (opposite ones count as one)");
             return Err(wrong
                 .expected("azimuths in equal steps over 180 deg, or no column of azimuth")
-                .hint("without the column, the reflectance is the same at all azimuths"));
+                .hint(
+                    "without the column, the reflectance is the same at all azimuths; `papilio pixel --phi-step 5` writes several",
+                ));
         }
         if count > MOST_AZIMUTHS {
             let wrong = format!("this table has {count} azimuths over half a turn");
