@@ -175,3 +175,24 @@ fn a_display_without_scattering_has_no_haze() {
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(!fs::read_to_string(folder.path().join("reflection.csv")).unwrap().contains('-'));
 }
+
+/// The files have one azimuth, that between light and viewer: a liquid crystal needs two.
+#[test]
+fn brdf_of_a_pixel_that_depends_on_azimuth_is_refused_with_what_can_be_done() {
+    let folder = tempfile::tempdir().unwrap();
+    for format in ["npz", "csv", "rgl", "radiant", "klems"] {
+        let output = papilio()
+            .arg("brdf")
+            .arg(scenario("mip-lcd-haze"))
+            .args(["--format", format, "--set", "spectrum.step_nm=100", "--out"])
+            .arg(folder.path().join("brdf"))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{format}");
+        let said = stderr(&output);
+        for part in ["depends on azimuth", "isotropic displays", "--cone", "--phi-step"] {
+            assert!(said.contains(part), "{format}: {said}");
+        }
+    }
+    assert!(!folder.path().join("brdf").exists());
+}

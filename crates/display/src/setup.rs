@@ -256,6 +256,19 @@ impl Setup {
         Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 
+    /// Refuses a BSDF of a display whose pixel depends on azimuth: it would be a function of two azimuths.
+    pub(crate) fn is_isotropic(&self) -> Result<(), DisplayError> {
+        if !self.stack.base().is_azimuthal() {
+            return Ok(());
+        }
+        Err(DisplayError::Azimuth {
+            what: "a BSDF of the display",
+            key: "display.pixel",
+            hint: "its files are those of isotropic displays, with the azimuth between light and viewer alone; `papilio run` computes the viewers \
+                   and lamps of a scenario, each at its phi_deg, and all viewers with --cone; `papilio pixel --phi-step 5` writes the pixel alone",
+        })
+    }
+
     /// Updates the setup for another scene, of whose pixel these directions need be known. The result equals `towards(scene)`, but parts that are still valid
     /// are reused, and the version counters are incremented for the parts that changed.
     ///
