@@ -8,13 +8,13 @@
 //!
 //! Colours are encoded bytes, so that rounding of resized pictures does not matter. Nothing depends on threads.
 
-use std::cell::OnceCell;
+use std::ops::Range;
 
 use crate::ImagingError;
 use crate::halftone::check_rows;
 
 /// Inner pixels of a flat area at least.
-const LEAST_INNER: u32 = 16;
+const LEAST_INNER: usize = 16;
 /// Largest step of a component at a soft border.
 const SOFT: u8 = 8;
 /// Part of the border of a flat area that may be soft.
@@ -28,8 +28,6 @@ const LEAST_AREA: usize = 256;
 pub struct Areas<'a> {
     colours: &'a [[u8; 3]],
     columns: usize,
-    /// The first pixel of the area of each pixel, when it is needed.
-    first: OnceCell<Vec<u32>>,
     /// Whether all neighbours of a pixel have its colour.
     inner: Vec<bool>,
 }
@@ -41,28 +39,25 @@ impl<'a> Areas<'a> {
     /// If the number of pixels is not a multiple of `columns`.
     pub fn new(colours: &'a [[u8; 3]], columns: usize) -> Result<Self, ImagingError> {
         check_rows(colours.len(), columns)?;
-        Ok(Self { colours, columns, first: OnceCell::new(), inner: inner(colours, columns) })
+        Ok(Self { colours, columns, inner: inner(colours, columns) })
     }
 
-    fn first(&self) -> &[u32] {
-        self.first.get_or_init(|| {
-            joined(self.colours.len(), self.columns, |one, other| self.colours[one] == self.colours[other])
-        })
-    }
-
-    /// Whether each pixel belongs to an area that is wider than a line: with an inner pixel.
-    pub fn solid(&self) -> Vec<bool> {
-        let first = self.first();
-        let mut is_solid = vec![false; first.len()];
-        for (first, inner) in first.iter().zip(&self.inner) {
-            is_solid[*first as usize] |= inner;
+    /// Whether each pixel belongs to an area that is wider than a line, with an inner pixel, and whether to one of at least `least` pixels:
+    /// of all areas with a pixel that is wanted.
+    pub fn solid_and_large(&self, wanted: &[bool], least: usize) -> [Vec<bool>; 2] {
+        let [mut solid, mut large, mut seen] = [0; 3].map(|_| vec![false; self.colours.len()]);
+        let mut area = Vec::new();
+        for start in wanted.iter().enumerate().filter(|(_, is_wanted)| **is_wanted).map(|(at, _)| at) {
+            if seen[start] {
+                continue;
+            }
+            self.walk(start, &mut seen, &mut area, |_, _| {});
+            let is_solid = area.iter().any(|at| self.inner[*at as usize]);
+            for at in &area {
+                (solid[*at as usize], large[*at as usize]) = (is_solid, area.len() >= least);
+            }
         }
-        first.iter().map(|first| is_solid[*first as usize]).collect()
-    }
-
-    /// Whether the area of each pixel has at least this number of pixels.
-    pub fn with_pixels(&self, least: usize) -> Vec<bool> {
-        large(self.first(), least)
+        [solid, large]
     }
 
     /// Whether each pixel belongs to a drawing.
@@ -72,114 +67,78 @@ impl<'a> Areas<'a> {
             closed(&mut drawing, self.columns);
             // First the holes of drawings, then drawings in photographs.
             for small in [false, true] {
-                let first = joined(drawing.len(), self.columns, |one, other| drawing[one] == drawing[other]);
-                let large = large(&first, LEAST_AREA.min(drawing.len()));
-                for (drawing, _) in drawing.iter_mut().zip(large).filter(|(_, is_large)| !is_large) {
-                    if *drawing == small {
-                        *drawing = !small;
-                    }
-                }
+                change_small(&mut drawing, self.columns, small);
             }
         }
         drawing
     }
 
-    /// Whether each pixel belongs to a flat area.
+    /// Whether each pixel belongs to a flat area. Only areas with an inner pixel are walked through: a photograph has few.
     fn flat(&self) -> Vec<bool> {
-        // Areas that are large enough have numbers from 1 on, all others 0.
-        let areas = self.large_areas();
-        let count = areas.iter().fold(0, |most, area| most.max(*area));
-        if count == 0 {
-            return vec![false; areas.len()];
-        }
-        // Soft and hard steps at their borders.
-        let mut steps = vec![[0_u32; 2]; count as usize + 1];
-        for_each_pair(areas.len(), self.columns, |at, next| {
-            let [one, other] = [at, next].map(|at| areas[at]);
-            if one != other {
-                let [here, there] = [at, next].map(|at| self.colours[at]);
-                let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
-                [one, other].iter().for_each(|area| steps[*area as usize][usize::from(largest > SOFT)] += 1);
-            }
-        });
-        let is_flat = |area: &u32| {
-            let [soft, hard] = steps[*area as usize].map(f64::from);
-            *area > 0 && soft <= SOFT_PART * (soft + hard)
-        };
-        areas.iter().map(is_flat).collect()
-    }
-
-    /// Number of the area of each pixel among those with enough inner pixels, from 1 on; 0 for all others. Only areas with an inner pixel
-    /// are walked through: a photograph has few.
-    fn large_areas(&self) -> Vec<u32> {
-        const UNKNOWN: u32 = u32::MAX;
-        let mut areas = vec![UNKNOWN; self.colours.len()];
-        let (mut count, mut inside, mut next) = (0, Vec::new(), Vec::new());
-        for start in (0..areas.len()).filter(|at| self.inner[*at]) {
-            if areas[start] != UNKNOWN {
+        let [mut flat, mut seen] = [0; 2].map(|_| vec![false; self.colours.len()]);
+        let mut area = Vec::new();
+        for start in self.inner.iter().enumerate().filter(|(_, is_inner)| **is_inner).map(|(at, _)| at) {
+            if seen[start] {
                 continue;
             }
-            inside.clear();
-            next.push(start);
-            areas[start] = 0;
-            let mut inner = 0;
-            while let Some(at) = next.pop() {
-                inside.push(at);
-                inner += u32::from(self.inner[at]);
-                let x = at % self.columns;
-                let mut visit = |other: usize| {
-                    if areas[other] == UNKNOWN && self.colours[other] == self.colours[at] {
-                        areas[other] = 0;
-                        next.push(other);
-                    }
-                };
-                if x > 0 {
-                    visit(at - 1);
-                }
-                if x + 1 < self.columns {
-                    visit(at + 1);
-                }
-                if at >= self.columns {
-                    visit(at - self.columns);
-                }
-                if at + self.columns < self.colours.len() {
-                    visit(at + self.columns);
-                }
-            }
-            if inner >= LEAST_INNER {
-                count += 1;
-                inside.iter().for_each(|at| areas[*at] = count);
+            // Soft and hard steps at its border.
+            let mut steps = [0_u32; 2];
+            self.walk(start, &mut seen, &mut area, |here, there| {
+                let largest = here.iter().zip(there).fold(0, |most, (a, b)| most.max(a.abs_diff(b)));
+                steps[usize::from(largest > SOFT)] += 1;
+            });
+            let inner = area.iter().filter(|at| self.inner[**at as usize]).take(LEAST_INNER).count();
+            let [soft, hard] = steps.map(f64::from);
+            if inner >= LEAST_INNER && soft <= SOFT_PART * (soft + hard) {
+                area.iter().for_each(|at| flat[*at as usize] = true);
             }
         }
-        areas.iter_mut().filter(|area| **area == UNKNOWN).for_each(|area| *area = 0);
-        areas
+        flat
     }
-}
 
-/// Whether the area of each pixel has at least this number of pixels.
-fn large(first: &[u32], least: usize) -> Vec<bool> {
-    let mut counts = vec![0_usize; first.len()];
-    first.iter().for_each(|first| counts[*first as usize] += 1);
-    first.iter().map(|first| counts[*first as usize] >= least).collect()
-}
-
-/// Calls a function with each pixel and its right neighbour, and with its lower one.
-fn for_each_pair(pixels: usize, columns: usize, mut of: impl FnMut(usize, usize)) {
-    for first in (0..pixels).step_by(columns) {
-        for at in first..first + columns {
-            if at + 1 < first + columns {
-                of(at, at + 1);
+    /// Finds the pixels of the area of one, and marks them; calls a function with the colours on both sides of each step at its border.
+    fn walk(
+        &self,
+        start: usize,
+        seen: &mut [bool],
+        area: &mut Vec<u32>,
+        mut step: impl FnMut([u8; 3], [u8; 3]),
+    ) {
+        area.clear();
+        area.push(start as u32);
+        seen[start] = true;
+        let colour = self.colours[start];
+        let mut next = 0;
+        while let Some(at) = area.get(next).map(|at| *at as usize) {
+            next += 1;
+            let x = at % self.columns;
+            let mut visit = |other: usize| {
+                if self.colours[other] != colour {
+                    step(colour, self.colours[other]);
+                } else if !std::mem::replace(&mut seen[other], true) {
+                    area.push(other as u32);
+                }
+            };
+            if x > 0 {
+                visit(at - 1);
             }
-            if at + columns < pixels {
-                of(at, at + columns);
+            if x + 1 < self.columns {
+                visit(at + 1);
+            }
+            if at >= self.columns {
+                visit(at - self.columns);
+            }
+            if at + self.columns < self.colours.len() {
+                visit(at + self.columns);
             }
         }
     }
 }
 
-/// The first pixel of the area of each pixel; neighbours are in the same area if `is_same` says so.
-fn joined(pixels: usize, columns: usize, is_same: impl Fn(usize, usize) -> bool) -> Vec<u32> {
-    let mut first: Vec<u32> = (0..pixels as u32).collect();
+/// Changes areas of a value that have less than [`LEAST_AREA`] pixels, and less than the picture.
+fn change_small(mask: &mut [bool], columns: usize, value: bool) {
+    let runs = runs(mask, columns, value);
+    let mut first: Vec<u32> = (0..runs.len() as u32).collect();
     let root = |first: &mut [u32], mut at: u32| {
         while first[at as usize] != at {
             first[at as usize] = first[first[at as usize] as usize];
@@ -187,15 +146,44 @@ fn joined(pixels: usize, columns: usize, is_same: impl Fn(usize, usize) -> bool)
         }
         at
     };
-    for_each_pair(pixels, columns, |at, next| {
-        if is_same(at, next) {
-            let [one, other] = [at, next].map(|at| root(&mut first, at as u32));
+    // The first run that may touch the present one from above.
+    let mut above = 0;
+    for (at, run) in runs.iter().enumerate() {
+        let [start, end] = [run.start, run.end].map(|one| one.checked_sub(columns));
+        let Some((start, end)) = start.zip(end) else { continue };
+        while runs[above].end <= start {
+            above += 1;
+        }
+        for other in (above..at).take_while(|other| runs[*other].start < end) {
+            let [one, other] = [at, other].map(|at| root(&mut first, at as u32));
             first[one.max(other) as usize] = one.min(other);
         }
-    });
-    // Each pixel comes after the first one of its area.
-    (0..pixels).for_each(|at| first[at] = first[first[at] as usize]);
-    first
+    }
+    let mut counts = vec![0; runs.len()];
+    for (at, run) in runs.iter().enumerate() {
+        // Each run comes after the first one of its area.
+        first[at] = first[first[at] as usize];
+        counts[first[at] as usize] += run.len();
+    }
+    let least = LEAST_AREA.min(mask.len());
+    for (run, _) in runs.into_iter().zip(first).filter(|(_, first)| counts[*first as usize] < least) {
+        mask[run].fill(!value);
+    }
+}
+
+/// The pixels of rows with a value that follow each other.
+fn runs(mask: &[bool], columns: usize, value: bool) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    for (row, line) in mask.chunks_exact(columns).enumerate() {
+        let mut from = 0;
+        for same in line.chunk_by(|one, other| one == other) {
+            if same[0] == value {
+                runs.push(row * columns + from..row * columns + from + same.len());
+            }
+            from += same.len();
+        }
+    }
+    runs
 }
 
 /// Whether the neighbours of each pixel have its colour; beyond the borders all have.
@@ -246,27 +234,22 @@ fn closed(mask: &mut [bool], columns: usize) {
 
 /// Sets each pixel with the value within the reach.
 fn spread(mask: &mut [bool], columns: usize, value: bool) {
-    let rows = mask.len() / columns;
-    let mut line = Vec::new();
-    for y in 0..rows {
-        spread_line(mask, y * columns, 1, columns, value, &mut line);
-    }
-    for x in 0..columns {
-        spread_line(mask, x, columns, rows, value, &mut line);
-    }
-}
-
-fn spread_line(mask: &mut [bool], from: usize, step: usize, count: usize, value: bool, line: &mut Vec<bool>) {
-    line.clear();
-    line.extend((0..count).map(|k| mask[from + k * step]));
-    let mut free = 0;
-    for (k, one) in line.iter().enumerate() {
-        if *one == value {
-            for k in free.max(k.saturating_sub(REACH))..(k + REACH + 1).min(count) {
-                mask[from + k * step] = value;
-            }
-            free = (k + REACH + 1).min(count);
+    let set = |to: &mut [bool], from: &[bool]| {
+        for (to, from) in to.iter_mut().zip(from) {
+            *to = if value { *to | from } else { *to & from };
         }
+    };
+    let before = mask.to_vec();
+    for (row, line) in mask.chunks_exact_mut(columns).zip(before.chunks_exact(columns)) {
+        for distance in 1..=REACH.min(columns - 1) {
+            set(&mut row[distance..], line);
+            set(row, &line[distance..]);
+        }
+    }
+    let before = mask.to_vec();
+    for distance in (1..=REACH).map(|rows| (rows * columns).min(before.len())) {
+        set(&mut mask[distance..], &before);
+        set(mask, &before[distance..]);
     }
 }
 
@@ -303,11 +286,31 @@ mod tests {
         assert_eq!(count(&drawing(|x, y| if x % 9 == 3 { (40 + y) as u8 } else { 255 })), all);
     }
 
-    /// Large areas and inner pixels are those of their definitions.
+    /// The first pixel of the area of each pixel, by the definition: neighbours that are the same are in the same area.
+    fn joined<T: PartialEq>(values: &[T], columns: usize) -> Vec<usize> {
+        let mut first: Vec<usize> = (0..values.len()).collect();
+        loop {
+            let before = first.clone();
+            for at in 0..values.len() {
+                let beside = (at % columns > 0).then(|| at - 1);
+                for other in [beside, at.checked_sub(columns)].into_iter().flatten() {
+                    if values[at] == values[other] {
+                        let least = first[at].min(first[other]);
+                        (first[at], first[other]) = (least, least);
+                    }
+                }
+            }
+            if first == before {
+                return first;
+            }
+        }
+    }
+
+    /// Areas, inner pixels and small areas are those of their definitions.
     #[test]
-    fn large_areas_are_those_of_joined_pixels() {
+    fn areas_are_those_of_joined_pixels() {
         let mut dice = Dice::new(6, 0);
-        for (columns, blocks) in [(40, 4), (37, 3), (1, 1), (90, 9)] {
+        for (columns, blocks) in [(40, 4), (37, 3), (1, 1), (90, 9), (60, 1)] {
             let tones: Vec<u8> = (0..900).map(|_| dice.below(3) as u8).collect();
             let colours: Vec<[u8; 3]> = (0..columns * 30)
                 .map(|at| [tones[(at % columns / blocks + at / columns / blocks * 30) % 900], 7, 9])
@@ -320,16 +323,50 @@ mod tests {
                     .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(columns)).map(move |x| y * columns + x));
                 assert_eq!(*inner, near.clone().all(|other| colours[other] == colours[at]), "{columns} {at}");
             }
-            let first = areas.first();
-            let mut counts = vec![0; first.len()];
-            first
-                .iter()
-                .zip(&areas.inner)
-                .for_each(|(first, inner)| counts[*first as usize] += u32::from(*inner));
-            let found = areas.large_areas();
-            for (at, area) in found.iter().enumerate() {
-                assert_eq!(*area > 0, counts[first[at] as usize] >= LEAST_INNER, "{columns} {at}");
-                assert_eq!(*area, found[first[at] as usize]);
+            let first = joined(&colours, columns);
+            let [mut counts, mut inner] = [0; 2].map(|_| vec![0; first.len()]);
+            for (first, is_inner) in first.iter().zip(&areas.inner) {
+                counts[*first] += 1;
+                inner[*first] += usize::from(*is_inner);
+            }
+            let wanted: Vec<bool> = (0..colours.len()).map(|at| at % 7 == 0).collect();
+            let [solid, large] = areas.solid_and_large(&wanted, 20);
+            for at in (0..colours.len()).filter(|at| wanted[*at]) {
+                let (is_solid, is_large) = (inner[first[at]] > 0, counts[first[at]] >= 20);
+                assert_eq!((solid[at], large[at]), (is_solid, is_large), "{columns} {at}");
+            }
+            for value in [false, true] {
+                let mut mask: Vec<bool> = colours.iter().map(|colour| colour[0] == 0).collect();
+                let first = joined(&mask, columns);
+                let mut counts = vec![0; first.len()];
+                first.iter().for_each(|first| counts[*first] += 1);
+                let least = LEAST_AREA.min(mask.len());
+                let is_changed = |at: usize| mask[at] == value && counts[first[at]] < least;
+                let expected: Vec<bool> = (0..mask.len()).map(|at| mask[at] != is_changed(at)).collect();
+                change_small(&mut mask, columns, value);
+                assert_eq!(mask, expected, "{columns}");
+            }
+        }
+    }
+
+    #[test]
+    fn closing_is_that_of_its_definition() {
+        let mut dice = Dice::new(7, 0);
+        for (columns, rows) in [(30, 20), (4, 9), (1, 1), (17, 3)] {
+            let mask: Vec<bool> = (0..columns * rows).map(|_| dice.throw() < 0.02).collect();
+            for value in [true, false] {
+                let near = |at: usize| {
+                    let (x, y) = (at % columns, at / columns);
+                    let down = y.saturating_sub(REACH)..(y + REACH + 1).min(rows);
+                    let across = x.saturating_sub(REACH)..(x + REACH + 1).min(columns);
+                    down.flat_map(move |y| across.clone().map(move |x| y * columns + x))
+                };
+                let expected: Vec<bool> = (0..mask.len())
+                    .map(|at| if near(at).any(|other| mask[other] == value) { value } else { !value })
+                    .collect();
+                let mut found = mask.clone();
+                spread(&mut found, columns, value);
+                assert_eq!(found, expected, "{columns} {value}");
             }
         }
     }
@@ -349,6 +386,6 @@ mod tests {
     #[test]
     fn areas_of_nothing_are_refused() {
         assert!(Areas::new(&[], 0).is_err() && Areas::new(&[[0; 3]; 5], 2).is_err());
-        assert_eq!(Areas::new(&[[0; 3]; 5], 5).unwrap().solid(), [true; 5]);
+        assert_eq!(Areas::new(&[[0; 3]; 5], 5).unwrap().solid_and_large(&[true; 5], 6)[0], [true; 5]);
     }
 }

@@ -62,6 +62,16 @@ impl Panel<'_> {
         self.rendering.closest_state(colour(wanted), |state| few.is_none_or(|few| few.allowed[state]))
     }
 
+    /// Whether a pixel takes few states.
+    pub(super) fn is_few(&self, at: usize) -> bool {
+        self.neutral.as_ref().is_some_and(|neutral| neutral.pixels[at])
+    }
+
+    /// Whether a pixel belongs to a drawing.
+    fn is_drawn(&self, at: usize) -> bool {
+        self.drawn.as_ref().is_some_and(|drawn| drawn.is_drawn[at])
+    }
+
     /// Which pixels take few states; empty: none does.
     pub(super) fn few(&self) -> &[bool] {
         self.neutral.as_ref().map_or(&[], |neutral| &neutral.pixels)
@@ -99,12 +109,14 @@ pub(super) fn states(
             let nearest = |(at, pixel): (usize, &[f32; 3])| panel.closest_state(at, *pixel) as u8;
             Ok((mapped.iter().enumerate().map(nearest).collect(), 0))
         }
-        Halftone::Ordered => {
-            Ok((panel.with_drawings(masked(&Mask::bayer(BAYER)?, (mapped, panel.few()), panel, control)?), 0))
-        }
-        Halftone::VoidAndCluster => {
-            let mask = Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?;
-            Ok((panel.with_drawings(masked(&mask, (mapped, panel.few()), panel, control)?), 0))
+        Halftone::Ordered | Halftone::VoidAndCluster => {
+            let mask = match settings.halftone {
+                Halftone::Ordered => Mask::bayer(BAYER)?,
+                _ => Mask::void_and_cluster(VOID_AND_CLUSTER, settings.seed)?,
+            };
+            let target = |at: usize| (!panel.is_drawn(at)).then(|| (mapped[at], panel.is_few(at)));
+            let states = masked(&mask, (mapped.len(), &target), panel, control)?;
+            Ok((panel.with_drawings(states.into_iter().map(Option::unwrap_or_default).collect()), 0))
         }
         Halftone::ErrorDiffusion | Halftone::RefinedErrorDiffusion | Halftone::DirectBinarySearch => {
             let (kernel, scan, metric) = (settings.kernel, settings.scan, panel.rendering.metric());

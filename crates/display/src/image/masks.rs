@@ -11,6 +11,7 @@ use papilio_imaging::halftone::{Mask, light_to_dark, ordered, ordered_planes};
 
 use super::colour;
 use super::halftone::Panel;
+use super::neutrals::Neutral;
 use crate::DisplayError;
 use crate::run::Control;
 
@@ -27,35 +28,36 @@ enum Mixer<'a> {
     States { solver: LeastVariance, hull: StateHull, order: Vec<u8>, numbers: Vec<u8>, mask: &'a Mask },
 }
 
-/// The states of a picture by a mask; pixels that are marked, if any is, take the few states of neutral colours.
+/// The states of so many pixels by a mask, of those that a function returns the target of, and whether they take the few states of neutral
+/// colours.
 pub(super) fn masked(
     mask: &Mask,
-    (mapped, few): (&[[f32; 3]], &[bool]),
+    (pixels, target): (usize, &dyn Fn(usize) -> Option<([f32; 3], bool)>),
     panel: &Panel<'_>,
     control: &Control<'_>,
-) -> Result<Vec<u8>, DisplayError> {
-    let mut states = by(&Mixer::new(mask, panel)?, mask, mapped, panel, control)?;
-    if let Some(neutral) = panel.neutral.as_ref().filter(|_| few.contains(&true)) {
-        let greys = by(&Mixer::of_some(mask, panel, &neutral.allowed)?, mask, mapped, panel, control)?;
-        let marked = states.iter_mut().zip(greys).zip(few).filter(|(_, is_marked)| **is_marked);
-        marked.for_each(|((state, grey), _)| *state = grey);
-    }
-    Ok(states)
-}
-
-/// The states of a picture by a mixer.
-fn by(
-    mixer: &Mixer<'_>,
-    mask: &Mask,
-    mapped: &[[f32; 3]],
-    panel: &Panel<'_>,
-    control: &Control<'_>,
-) -> Result<Vec<u8>, DisplayError> {
-    let mut states = Vec::with_capacity(mapped.len());
+) -> Result<Vec<Option<u8>>, DisplayError> {
+    let mixer = Mixer::new(mask, panel)?;
+    let of_greys = |neutral: &Neutral| Mixer::of_some(mask, panel, &neutral.allowed);
+    let of_greys = panel.neutral.as_ref().map(of_greys).transpose()?;
+    let nothing = panel.rendering.states.first().map_or([0.0; 3], |state| state.map(|value| value as f32));
+    let mut states = vec![None; pixels];
     // Bands of as many rows as the mask has: each begins with its first row.
-    for band in mapped.chunks((panel.columns * mask.rows()).max(1)) {
+    let band = (panel.columns * mask.rows()).max(1);
+    for (number, states) in states.chunks_mut(band).enumerate() {
         control.check()?;
-        states.extend(mixer.states(band, panel)?);
+        let targets: Vec<_> = (0..states.len()).map(|at| target(number * band + at)).collect();
+        let has = |few: bool| targets.iter().flatten().any(|(_, is_few)| *is_few == few);
+        let colours = || targets.iter().map(|one| one.map_or(nothing, |(colour, _)| colour));
+        for (mixer, few) in [(Some(&mixer), false), (of_greys.as_ref(), true)] {
+            if let Some(mixer) = mixer.filter(|_| has(few)) {
+                let found = mixer.states(&colours().collect::<Vec<_>>(), panel)?;
+                for ((state, found), target) in states.iter_mut().zip(found).zip(&targets) {
+                    if target.is_some_and(|(_, is_few)| is_few == few) {
+                        *state = Some(found);
+                    }
+                }
+            }
+        }
     }
     Ok(states)
 }

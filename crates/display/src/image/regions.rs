@@ -38,6 +38,9 @@ pub(super) struct Drawing {
     /// Encoded red, green and blue of the picture.
     colours: Vec<[u8; 3]>,
     columns: usize,
+    /// Whether the area of one colour about each of its pixels is wider than a line, and whether it has as many pixels as a line.
+    solid: Vec<bool>,
+    long: Vec<bool>,
 }
 
 /// States of the pixels of drawings.
@@ -85,15 +88,20 @@ impl Regions {
                 *to = colour(*pixel).linear_srgb().map(|value| encoded_byte(value.clamp(0.0, 1.0)));
             }
         });
+        let areas = Areas::new(&colours, columns)?;
         let is_drawn = match self {
             Self::Given(is_drawn) if is_drawn.len() == colours.len() => is_drawn.clone(),
             Self::Given(is_drawn) => {
                 return Err(DisplayError::Regions { pixels: is_drawn.len(), expected: colours.len() });
             }
             Self::Drawing => vec![true; colours.len()],
-            _ => Areas::new(&colours, columns)?.drawing(),
+            _ => areas.drawing(),
         };
-        Ok(is_drawn.contains(&true).then_some(Drawing { is_drawn, colours, columns }))
+        if !is_drawn.contains(&true) {
+            return Ok(None);
+        }
+        let [solid, long] = areas.solid_and_large(&is_drawn, LINE);
+        Ok(Some(Drawing { is_drawn, colours, columns, solid, long }))
     }
 }
 
@@ -102,7 +110,7 @@ impl Regions {
 enum Shown {
     Ink(u8),
     /// The colour of this pixel.
-    As(usize),
+    As(u32),
 }
 
 /// Colour of an ink in pictures.
@@ -126,72 +134,51 @@ impl Drawing {
         control: &Control<'_>,
     ) -> Result<Drawn, DisplayError> {
         let inks = inks(panel.palette);
-        let shown = self.shown(&inks, mapped, panel)?;
-        let drawn = || self.is_drawn.iter().zip(&shown).enumerate().filter(|(_, (is_drawn, _))| **is_drawn);
-        for (at, (_, one)) in drawn() {
-            if let Shown::Ink(state) = *one
+        let shown = self.shown(&inks, mapped, panel);
+        for (at, one) in shown.iter().enumerate() {
+            if let Some(Shown::Ink(state)) = *one
                 && inks.iter().any(|ink| ink.is(self.colours[at]))
             {
                 mapped[at] = panel.rendering.states[usize::from(state)].map(|value| value as f32);
             }
         }
         // Photographs and inks need no pattern.
-        let nothing =
-            panel.rendering.states.first().map_or([0.0; 3], |state| state.map(|value| value as f32));
-        let mut flat = vec![nothing; mapped.len()];
-        let few = panel.few();
-        let mut few_of = vec![false; few.len()];
-        let mut has_patterns = false;
-        for (at, (_, one)) in drawn() {
-            if let Shown::As(of) = one {
-                flat[at] = mapped[*of];
-                if let Some(is_few) = few_of.get_mut(at) {
-                    *is_few = few[*of];
-                }
-                has_patterns = true;
-            }
-        }
-        let patterns = if has_patterns {
-            masked(&Mask::bayer(MASK)?, (&flat, &few_of), panel, control)?
-        } else {
-            Vec::new()
+        let pattern = |at: usize| match shown[at] {
+            Some(Shown::As(of)) => Some((mapped[of as usize], panel.is_few(of as usize))),
+            _ => None,
         };
-        let mut states = vec![None; mapped.len()];
-        for (at, (_, one)) in drawn() {
-            states[at] = Some(match one {
-                Shown::Ink(state) => *state,
-                Shown::As(_) => patterns[at],
-            });
+        let mut states = masked(&Mask::bayer(MASK)?, (mapped.len(), &pattern), panel, control)?;
+        for (state, shown) in states.iter_mut().zip(&shown) {
+            *state = match shown {
+                Some(Shown::Ink(ink)) => Some(*ink),
+                Some(Shown::As(_)) => *state,
+                None => None,
+            };
         }
         Ok(Drawn { states, is_drawn: self.is_drawn.clone() })
     }
 
-    /// What each pixel shows; outside of drawings, itself.
-    fn shown(
-        &self,
-        inks: &[Ink],
-        mapped: &[[f32; 3]],
-        panel: &Panel<'_>,
-    ) -> Result<Vec<Shown>, DisplayError> {
-        let areas = Areas::new(&self.colours, self.columns)?;
-        let (solid, long) = (areas.solid(), areas.with_pixels(LINE));
+    /// What each pixel of a drawing shows.
+    fn shown(&self, inks: &[Ink], mapped: &[[f32; 3]], panel: &Panel<'_>) -> Vec<Option<Shown>> {
         let ink =
             |at: usize| inks.iter().find(|ink| ink.is(self.colours[at])).map(|ink| Shown::Ink(ink.state));
         // Of pixels with a colour of their own.
         let own: Vec<Option<Shown>> = (0..mapped.len())
-            .map(|at| if self.is_drawn[at] { ink(at).or(solid[at].then_some(Shown::As(at))) } else { None })
+            .map(|at| match self.is_drawn[at] {
+                true => ink(at).or(self.solid[at].then_some(Shown::As(at as u32))),
+                false => None,
+            })
             .collect();
         let of = |at: usize| match own[at] {
-            Some(own) => own,
-            None if !self.is_drawn[at] => Shown::As(at),
-            None => {
+            None if self.is_drawn[at] => {
                 let near = NEAR.map(|reach| self.near(at, reach, &own));
                 let near = near.iter().find(|near| !near.is_empty()).map_or(&[][..], Vec::as_slice);
                 let closest = || Shown::Ink(panel.closest_state(at, mapped[at]) as u8);
-                self.side(at, near, inks, long[at]).unwrap_or_else(closest)
+                Some(self.side(at, near, inks, self.long[at]).unwrap_or_else(closest))
             }
+            own => own,
         };
-        Ok((0..mapped.len()).map(of).collect())
+        (0..mapped.len()).map(of).collect()
     }
 
     /// The different colours around a pixel.
@@ -235,7 +222,7 @@ impl Drawing {
         // A line between equal sides has a colour of its own.
         let is_between = best.0 <= MIXTURE && near.len() > 1;
         match best.1 {
-            _ if is_long && !is_between => Some(Shown::As(at)),
+            _ if is_long && !is_between => Some(Shown::As(at as u32)),
             None => near.first().map(|(_, shown)| *shown),
             side => side,
         }
