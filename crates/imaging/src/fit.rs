@@ -67,13 +67,20 @@ pub fn fitted(
         }
         let first = next - wide.len();
         wide.drain(..rows.first.saturating_sub(first).min(wide.len()));
+        let start = result.len();
+        if rows.is_outside {
+            result.resize(start + to[0], margin);
+            continue;
+        }
+        result.resize(start + to[0], [0.0; 3]);
+        let into = &mut result[start..];
         let first = next - wide.len();
-        result.extend(across.iter().enumerate().map(|(x, columns)| {
-            match columns.is_outside || rows.is_outside {
-                true => margin,
-                false => rows.mean(|at| wide[at - first][x]),
-            }
-        }));
+        for (line, weight) in wide.range(rows.first - first..).zip(&rows.weights) {
+            let values = into.as_flattened_mut().iter_mut().zip(line.as_flattened());
+            values.for_each(|(sum, value)| *sum += weight * value);
+        }
+        let outside = into.iter_mut().zip(&across).filter(|(_, columns)| columns.is_outside);
+        outside.for_each(|(pixel, _)| *pixel = margin);
     }
     result
 }

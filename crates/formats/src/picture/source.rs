@@ -169,10 +169,8 @@ impl SourcePicture {
             Samples::Sixteen(values) => self.converted(values.get(range).unwrap_or_default()),
             Samples::Linear(values) => {
                 let Encoding::Matrix { xyz_from_rgb, .. } = &self.encoding else { return Vec::new() };
-                let of = |rgb: &[f32; 3]| {
-                    xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
-                };
-                values.get(range.start / 3..range.end / 3).unwrap_or_default().iter().map(of).collect()
+                let rows = values.get(range.start / 3..range.end / 3).unwrap_or_default();
+                rows.iter().map(|rgb| times(xyz_from_rgb, *rgb)).collect()
             }
         }
     }
@@ -190,8 +188,7 @@ impl SourcePicture {
         {
             let light = |k: usize, value: T| light[k].get(usize::from(value.into())).copied().unwrap_or(0.0);
             let of = |[red, green, blue]: &[T; 3]| {
-                let rgb = [light(0, *red), light(1, *green), light(2, *blue)];
-                xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
+                times(xyz_from_rgb, [light(0, *red), light(1, *green), light(2, *blue)])
             };
             return values.as_chunks().0.iter().map(of).collect();
         }
@@ -202,10 +199,7 @@ impl SourcePicture {
                 let light = |k: usize| light[k].get(usize::from(pixel[k].into())).copied().unwrap_or(0.0);
                 match self.inputs {
                     1 => white.map(|value| value * light(0)),
-                    _ => {
-                        let rgb = [light(0), light(1), light(2)];
-                        xyz_from_rgb.map(|row| row[0] * rgb[0] + row[1] * rgb[1] + row[2] * rgb[2])
-                    }
+                    _ => times(xyz_from_rgb, [light(0), light(1), light(2)]),
                 }
             }
             Encoding::Table { table, to_d65 } => {
@@ -282,6 +276,13 @@ impl SourcePicture {
         };
         self
     }
+}
+
+/// A matrix times a colour: a `map` of its rows is a call for each pixel.
+#[inline(always)]
+fn times(matrix: &[[f32; 3]; 3], [red, green, blue]: [f32; 3]) -> [f32; 3] {
+    let row = |k: usize| matrix[k][0] * red + matrix[k][1] * green + matrix[k][2] * blue;
+    [row(0), row(1), row(2)]
 }
 
 /// The pixels of a picture of `columns` and `rows`, each from its place.
