@@ -50,6 +50,7 @@ impl Adaptation {
     }
 
     /// Returns the corresponding colour in the other light.
+    #[inline]
     pub fn apply(&self, colour: Xyz) -> Xyz {
         let [x, y, z] = times(&self.matrix, colour.to_array());
         Xyz { x, y, z }

@@ -55,6 +55,7 @@ pub enum ScreenSpace {
 impl ScreenSpace {
     /// Converts relative values under D65 to linear red, green and blue; components outside 0 to 1 are out of
     /// gamut.
+    #[inline]
     pub fn linear(self, colour: Xyz) -> [f64; 3] {
         match self {
             Self::Srgb => colour.linear_srgb(),
@@ -69,6 +70,7 @@ impl ScreenSpace {
 }
 
 /// Encodes a linear component by the sRGB transfer function as the nearest byte, clipped to 0 to 1.
+#[inline]
 pub fn encoded_byte(linear: f64) -> u8 {
     BYTES.of(linear)
 }
@@ -113,6 +115,7 @@ impl Bytes {
         Self { from, of_cell }
     }
 
+    #[inline]
     fn of(&self, linear: f64) -> u8 {
         // Conversion to whole numbers makes 0 of negative ones and of NaN.
         let cell = ((linear * Self::CELLS as f64) as usize).min(Self::CELLS);
@@ -128,6 +131,7 @@ fn computed_byte(linear: f64) -> u8 {
 
 impl Xyz {
     /// Converts relative values under D65 to linear sRGB; components outside 0 to 1 are out of gamut.
+    #[inline]
     pub fn linear_srgb(self) -> [f64; 3] {
         times(&SRGB, self.to_array())
     }

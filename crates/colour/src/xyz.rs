@@ -43,6 +43,7 @@ pub const D65_WHITE: Xyz = Xyz { x: 0.95047, y: 1.0, z: 1.08883 };
 
 impl Xyz {
     /// Returns `[X, Y, Z]`.
+    #[inline]
     pub fn to_array(self) -> [f64; 3] {
         [self.x, self.y, self.z]
     }
@@ -99,6 +100,7 @@ impl UvPrime {
 
 impl Add for Xyz {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
@@ -113,6 +115,7 @@ impl Sub for Xyz {
 
 impl Mul<f64> for Xyz {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
