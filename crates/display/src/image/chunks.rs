@@ -15,12 +15,7 @@ pub(super) fn in_chunks<T: Send, R: Send>(
     values: &mut [T],
     of: impl Fn(usize, &mut [T]) -> R + Sync,
 ) -> Vec<R> {
-    // Each chunk belongs to one thread, which is what the locks tell the compiler.
-    let chunks: Vec<_> = values.chunks_mut(CHUNK).enumerate().map(Mutex::new).collect();
-    each(&chunks, threads, |chunk| {
-        let (number, chunk) = &mut *chunk.lock().unwrap_or_else(PoisonError::into_inner);
-        of(*number * CHUNK, chunk)
-    })
+    in_turn(threads, values.chunks_mut(CHUNK), |number, chunk| of(number * CHUNK, chunk))
 }
 
 /// Changes each row of `columns` pixels by its number.
@@ -31,11 +26,49 @@ pub(super) fn in_rows(
     of: impl Fn(usize, &mut [[f32; 3]]) + Sync,
 ) {
     let rows = CHUNK.div_ceil(columns);
-    let chunks: Vec<_> = pixels.chunks_mut(rows * columns).enumerate().map(Mutex::new).collect();
-    each(&chunks, threads, |chunk| {
-        let (number, chunk) = &mut *chunk.lock().unwrap_or_else(PoisonError::into_inner);
-        chunk.chunks_exact_mut(columns).enumerate().for_each(|(row, line)| of(*number * rows + row, line));
+    in_turn(threads, pixels.chunks_mut(rows * columns), |number, chunk| {
+        chunk.chunks_exact_mut(columns).enumerate().for_each(|(row, line)| of(number * rows + row, line));
     });
+}
+
+/// Mean of the X, Y, Z of pixels.
+pub(super) fn mean(threads: usize, pixels: &[[f32; 3]]) -> [f64; 3] {
+    let sums = in_turn(threads, pixels.chunks(CHUNK), |_, chunk| {
+        let mut sums = [0.0; 3];
+        for pixel in chunk {
+            sums.iter_mut().zip(pixel).for_each(|(sum, value)| *sum += f64::from(*value));
+        }
+        sums
+    });
+    [0, 1, 2].map(|k| sums.iter().map(|sum| sum[k]).sum::<f64>() / pixels.len() as f64)
+}
+
+/// The results of a function of each item with its number, in their order, by several threads, each of which takes the next item.
+fn in_turn<T: Send, R: Send>(
+    threads: usize,
+    items: impl ExactSizeIterator<Item = T> + Send,
+    of: impl Fn(usize, T) -> R + Sync,
+) -> Vec<R> {
+    let others = threads.min(items.len()).saturating_sub(1);
+    let next = Mutex::new(items.enumerate());
+    let take = || next.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        let mut done = Vec::new();
+        while let Some((number, item)) = take() {
+            done.push((number, of(number, item)));
+        }
+        done
+    };
+    let mut results = std::thread::scope(|scope| {
+        let others: Vec<_> = (0..others).map(|_| scope.spawn(&work)).collect();
+        let mut results = work();
+        for other in others {
+            results.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        results
+    });
+    results.sort_unstable_by_key(|(number, _)| *number);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 /// What is returned for the numbers of each of a few parts of the pixels, in their order.

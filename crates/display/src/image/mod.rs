@@ -49,7 +49,7 @@ mod tests_of_regions;
 
 use std::f64::consts::PI;
 
-use chunks::in_chunks;
+use chunks::{in_chunks, mean};
 pub use differences::PictureDifferences;
 pub use exact::exact;
 pub use halftone::Halftone;
@@ -306,7 +306,6 @@ pub fn image(
         ScreenWhite::Display => Adaptation::between(rendering.white, D65_WHITE).unwrap_or(to_screen),
     };
     let fraction = |number: usize| number as f64 / seen.len() as f64;
-    let mean = |k: usize| seen.iter().map(|pixel| f64::from(pixel[k])).sum::<f64>() / seen.len() as f64;
     let per_degree = pixels_per_degree(scene).map(|[along_x, _]| along_x);
     let compared = per_degree.filter(|per_degree| *per_degree <= MOST_PER_DEGREE);
     let threads = control.thread_count();
@@ -393,7 +392,7 @@ pub fn image(
         rendition,
         cut_fraction: fraction(cut),
         clipped_fraction: clipped as f64 / shown.len() as f64,
-        mean_XYZ: [mean(0), mean(1), mean(2)],
+        mean_XYZ: mean(threads, &seen),
         pixels_per_degree: per_degree,
         against_photograph,
         against_source,

@@ -137,7 +137,10 @@ impl Adjustments {
                 *lightness = if *lightness > 0.0 { lightness.min(1.0) } else { 0.0 };
             }
         });
-        let lightness: Vec<f32> = targets.iter().map(|target| target[0]).collect();
+        let mut lightness = vec![0.0; pixels.len()];
+        in_chunks(threads, &mut lightness, |first, lightness| {
+            lightness.iter_mut().zip(&targets[first..]).for_each(|(to, target)| *to = target[0]);
+        });
         let is_photograph = |at: &usize| is_drawn.is_none_or(|is_drawn| !is_drawn[*at]);
         let is_drawing = !(0..pixels.len()).any(|at| is_photograph(&at));
         let counts = |at: &usize| is_drawing || is_photograph(at);
