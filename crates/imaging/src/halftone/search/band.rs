@@ -5,6 +5,7 @@
 //! those between, which have the other rows inside.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use pulp::NullaryFnOnce;
 
@@ -52,7 +53,7 @@ struct Band<'a, const N: usize> {
 }
 
 /// Rows that are correlated at once.
-const CORRELATED_ROWS: usize = 32;
+const CORRELATED_ROWS: usize = 64;
 
 impl<const N: usize> Field<N> {
     /// Correlates the errors of the states, and returns their error E, too; `None` if it was stopped.
@@ -209,14 +210,12 @@ impl<const N: usize> Band<'_, N> {
     #[inline(always)]
     fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f32)> {
         let rows = self.states.len() / self.columns;
-        let mut neighbours = [None; 4];
-        for (neighbour, (right, down)) in neighbours.iter_mut().zip(NEIGHBOURS) {
+        let neighbour = |number: usize| {
+            let (right, down) = NEIGHBOURS[number];
             let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
-            if x < self.columns && y < rows && !self.is_fixed(x, y) {
-                *neighbour = Some(self.at(x, y));
-            }
-        }
-        costs.best(self.at(x, y), neighbours, scratch)
+            (x < self.columns && y < rows && !self.is_fixed(x, y)).then(|| self.at(x, y))
+        };
+        costs.best(self.at(x, y), neighbour, scratch)
     }
 
     #[inline(always)]
@@ -271,13 +270,18 @@ fn in_turn<T: Send, R: Send>(threads: usize, items: Vec<T>, of: impl Fn(T) -> R 
     if count == 1 {
         return items.into_iter().map(of).collect();
     }
-    let mut hands: Vec<Vec<(usize, T)>> = (0..count).map(|_| Vec::new()).collect();
-    items.into_iter().enumerate().for_each(|(at, item)| hands[at % count].push((at, item)));
+    // Each thread takes the next one.
+    let next = Mutex::new(items.into_iter().enumerate());
+    let take = || next.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        let mut done = Vec::new();
+        while let Some((at, item)) = take() {
+            done.push((at, of(item)));
+        }
+        done
+    };
     let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let of = &of;
-        let work =
-            |hand: Vec<(usize, T)>| hand.into_iter().map(|(at, item)| (at, of(item))).collect::<Vec<_>>();
-        let running: Vec<_> = hands.into_iter().map(|hand| scope.spawn(move || work(hand))).collect();
+        let running: Vec<_> = (0..count).map(|_| scope.spawn(&work)).collect();
         running
             .into_iter()
             .flat_map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))

@@ -58,10 +58,14 @@ impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
         let reaches = costs.correlations.each_ref().map(|one| one.reach);
         let across = reaches.map(|[across, _]| across);
         let most = reaches.iter().fold(0, |most, [_, down]| most.max(*down));
-        let mut padded = across.map(|across| vec![0.0; columns + 2 * across]);
+        // Rows of errors, until what is correlated with them is complete.
+        let mut errors: Vec<[Vec<f32>; N]> =
+            (0..=most).map(|_| across.map(|across| vec![0.0; columns + 2 * across])).collect();
         let mut line = vec![0.0; columns];
+        let mut sums = [0.0; N];
         for from in rows.start.saturating_sub(most)..(rows.end + most).min(all) {
-            shown.errors(costs, from, &mut padded, across);
+            let padded = &mut errors[from % (most + 1)];
+            shown.errors(costs, from, padded, across);
             for (k, correlation) in costs.correlations.iter().enumerate() {
                 let [_, down] = correlation.reach;
                 let reached = from.saturating_sub(down).max(rows.start)..(from + down + 1).min(rows.end);
@@ -82,15 +86,13 @@ impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
                     );
                 }
             }
-        }
-        let mut sums = [0.0; N];
-        for row in rows.clone() {
-            shown.errors(costs, row, &mut padded, across);
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let correlated = &into[((row - rows.start) * N + k) * stride + margin..][..columns];
-                let products =
-                    padded[k][across[k]..].iter().zip(correlated).map(|(error, r)| f64::from(error * r));
-                *sum += products.sum::<f64>();
+            // Rows that no later one reaches.
+            let end = if from + 1 == all { all } else { (from + 1).saturating_sub(most) };
+            for row in (from.saturating_sub(most)..end).filter(|row| rows.contains(row)) {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    let correlated = &into[((row - rows.start) * N + k) * stride + margin..][..columns];
+                    *sum += sum_of_products(&errors[row % (most + 1)][k][across[k]..][..columns], correlated);
+                }
             }
         }
         sums.iter().sum()
@@ -108,6 +110,18 @@ fn add(into: &mut [f32], correlation: &Correlation, down: isize, line: &[f32], p
     for (x, weight) in correlation.row(down)[..2 * correlation.reach[0] + 1].iter().enumerate() {
         into.iter_mut().zip(&padded[x..]).for_each(|(sum, error)| *sum += weight * error);
     }
+}
+
+/// Sum of products in double precision. Several sums do not wait for each other.
+#[inline(always)]
+fn sum_of_products(one: &[f32], other: &[f32]) -> f64 {
+    let mut sums = [0.0_f64; 16];
+    for (one, other) in one.chunks(sums.len()).zip(other.chunks(sums.len())) {
+        for ((sum, one), other) in sums.iter_mut().zip(one).zip(other) {
+            *sum += f64::from(one * other);
+        }
+    }
+    sums.iter().sum()
 }
 
 /// Filters a row that has zeros on both sides.

@@ -49,9 +49,9 @@ struct Lanes<const N: usize> {
     /// For pixels that take all states and for those that take few, and each state of a pixel: the squares of the
     /// changes to the others, each with the middle of the correlation.
     squares: [Vec<[f32; LANES]>; 2],
-    near: [Vec<[f32; LANES]>; 4],
+    near: [[[f32; LANES]; LANES]; 4],
     /// The same by the state of the neighbour, and then that of the pixel.
-    near_other: [Vec<[f32; LANES]>; 4],
+    near_other: [[[f32; LANES]; LANES]; 4],
 }
 
 /// Costs of all states at two pixels, of many states.
@@ -70,9 +70,6 @@ pub(super) struct Here<const N: usize> {
     pub(super) r: [f32; N],
     pub(super) is_few: bool,
 }
-
-/// The neighbours of a pixel inside the picture.
-pub(super) type Neighbours<const N: usize> = [Option<Here<N>>; 4];
 
 impl<const N: usize> Costs<N> {
     pub(super) fn new(palette: &[[f64; N]], allowed: &[bool], filters: &[Filter; N]) -> Self {
@@ -103,17 +100,17 @@ impl<const N: usize> Costs<N> {
         [largest(0), largest(1)]
     }
 
-    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much.
+    /// The change of a pixel, alone or with one of its neighbours inside the picture, that lowers the error most, and by how much.
     #[inline(always)]
     pub(super) fn best(
         &self,
         here: Here<N>,
-        neighbours: Neighbours<N>,
+        neighbour: impl Fn(usize) -> Option<Here<N>>,
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         match &self.lanes {
-            Some(lanes) => lanes.best(self.palette.len(), self.least, here, neighbours),
-            None => self.best_of_many(here, neighbours, scratch),
+            Some(lanes) => lanes.best(self.least, here, neighbour),
+            None => self.best_of_many(here, std::array::from_fn(neighbour), scratch),
         }
     }
 
@@ -138,7 +135,7 @@ impl<const N: usize> Costs<N> {
     fn best_of_many(
         &self,
         pixel: Here<N>,
-        neighbours: Neighbours<N>,
+        neighbours: [Option<Here<N>>; 4],
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         let Scratch { here, there, best_here, best_there } = scratch;
@@ -188,7 +185,12 @@ impl<const N: usize> Lanes<N> {
         let square = |one: &[f32; N], other: &[f32; N]| {
             (0..N).map(|k| (other[k] - one[k]) * (other[k] - one[k]) * middles[k]).sum::<f32>()
         };
-        let row = |near: &[f32]| lanes(&|at| near[at], 0.0);
+        let count = palette.len();
+        let table = |near: &[f32], of: &dyn Fn(usize, usize) -> usize| {
+            let row =
+                |state| lanes(&|at| if state < count { near[of(state, at)] } else { 0.0 }, 0.0);
+            std::array::from_fn(row)
+        };
         Self {
             doubled: std::array::from_fn(|k| lanes(&|at| 2.0 * palette[at][k], 0.0)),
             squares: [false, true].map(|is_few| {
@@ -198,11 +200,8 @@ impl<const N: usize> Lanes<N> {
                 };
                 palette.iter().map(|own| lanes(&|at| to(own, at), IMPOSSIBLE)).collect()
             }),
-            near: near.each_ref().map(|near| near.chunks(palette.len().max(1)).map(row).collect()),
-            near_other: near.each_ref().map(|near| {
-                let column = |other: usize| lanes(&|at| near[at * palette.len() + other], 0.0);
-                (0..palette.len()).map(column).collect()
-            }),
+            near: near.each_ref().map(|near| table(near, &|state, at| state * count + at)),
+            near_other: near.each_ref().map(|near| table(near, &|state, at| at * count + state)),
         }
     }
 
@@ -227,10 +226,9 @@ impl<const N: usize> Lanes<N> {
     #[inline(always)]
     fn best(
         &self,
-        count: usize,
         least: f32,
         pixel: Here<N>,
-        neighbours: Neighbours<N>,
+        neighbour: impl Fn(usize) -> Option<Here<N>>,
     ) -> Option<(Change, f32)> {
         let own = usize::from(pixel.own);
         let here = self.single(pixel);
@@ -242,10 +240,9 @@ impl<const N: usize> Lanes<N> {
                 }
             }
         }
-        for (number, neighbour) in neighbours.into_iter().enumerate() {
-            let Some(neighbour) = neighbour else { continue };
+        for (number, near) in self.near.iter().enumerate() {
+            let Some(neighbour) = neighbour(number) else { continue };
             let other = usize::from(neighbour.own);
-            let near = &self.near[number];
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let mut there = self.single(neighbour);
             let apart = near[own][other];
@@ -271,7 +268,7 @@ impl<const N: usize> Lanes<N> {
                     let is_it = |state: &usize| {
                         here[*state] - near[*state][other] + there[to] + near[*state][to] == cost
                     };
-                    let state = (0..count).find(is_it).unwrap_or(own);
+                    let state = (0..LANES).find(is_it).unwrap_or(own);
                     lowest = cost;
                     best = Some(Change { state: state as u8, other: Some((number, to as u8)) });
                 }
