@@ -120,7 +120,9 @@ impl NullaryFnOnce for Appearances<'_> {
             }
             let luminances = planes[1];
             multiply(&matrices.to_cones, &mut planes);
-            planes.iter_mut().flatten().for_each(|one| *one = root(*one));
+            for plane in &mut planes {
+                plane.iter_mut().for_each(|one| *one = root(*one));
+            }
             multiply(&matrices.to_coordinates, &mut planes);
             if let Some(grey) = matrices.of_grey {
                 let [lightness, ..] = matrices.to_coordinates;
@@ -152,7 +154,9 @@ impl NullaryFnOnce for Colours<'_> {
             (0..3).for_each(|k| xyz[k][at] = f64::from(one[k]));
         }
         multiply(&matrices.to_roots, xyz);
-        xyz.iter_mut().flatten().for_each(|one| *one = *one * *one * *one);
+        for plane in &mut *xyz {
+            plane.iter_mut().for_each(|one| *one = *one * *one * *one);
+        }
         multiply(&matrices.to_xyz, xyz);
         let [x, y, z] = &*xyz;
         let mut most = [f64::NEG_INFINITY; SEVERAL];
