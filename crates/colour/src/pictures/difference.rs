@@ -67,7 +67,7 @@ pub(super) fn delta_e_2000(one: [&[f32]; 3], other: [&[f32]; 3], hues: &Hues, in
             has_none |= cos[k].is_nan();
         }
         if has_none {
-            // Grey, or opposite hues, whose mean is a convention.
+            // Opposite hues, whose mean is a convention.
             for (k, into) in into.iter_mut().enumerate().filter(|(k, _)| cos[*k].is_nan()) {
                 let lab =
                     |[l, a, b]: [&[f32; LANES]; 3]| Lab { l: l[k].into(), a: a[k].into(), b: b[k].into() };
@@ -105,7 +105,9 @@ fn parts(one: [&[f32; LANES]; 3], other: [&[f32; LANES]; 3]) -> Parts {
         let (c1, c2) = (length(a1, b1), length(a2, b2));
         let (u, v) = (a1 * c2 + a2 * c1, b1 * c2 + b2 * c1);
         let sum = length(u, v);
-        let has_mean = sum > 1e-3 * c1 * c2;
+        // The difference of a grey has no part of hue.
+        let has_mean = (c1 * c2 == 0.0) | (sum > 1e-3 * c1 * c2);
+        let sum = if sum > 0.0 { sum } else { 1.0 };
         let (cos, sin) = (u / sum, v / sum);
         let (cos2, sin2) = (cos * cos - sin * sin, 2.0 * cos * sin);
         let (cos3, sin3) = (cos2 * cos - sin2 * sin, sin2 * cos + cos2 * sin);

@@ -102,22 +102,18 @@ pub(super) struct Padded {
     columns: usize,
     whole: Vec<f32>,
     /// The columns by their remainder, so that those of one are next to each other; none with a step of 1.
-    phases: Vec<Vec<f32>>,
+    sorted: Vec<f32>,
+    /// The place of each column among them.
+    places: Vec<usize>,
 }
 
 impl Padded {
     pub(super) fn new(columns: usize, margin: usize, step: usize) -> Self {
         // The last block of samples may begin at any column.
         let length = (stride(columns) + LANES * step + 2 * margin).next_multiple_of(step) + step;
-        let phases = if step == 1 { 0 } else { step };
-        let phase = || vec![0.0; length / step];
-        Self {
-            margin,
-            step,
-            columns,
-            whole: vec![0.0; length],
-            phases: (0..phases).map(|_| phase()).collect(),
-        }
+        let sorted = if step == 1 { Vec::new() } else { vec![0.0; length] };
+        let places = (0..length).map(|column| column % step * (length / step) + column / step).collect();
+        Self { margin, step, columns, whole: vec![0.0; length], sorted, places }
     }
 
     /// The columns, and those that count for nothing.
@@ -142,13 +138,15 @@ impl Padded {
 
     #[inline(always)]
     fn sort(&mut self) {
-        if let [even, odd] = &mut self.phases[..] {
+        let count = self.whole.len() / self.step;
+        if self.step == 2 {
+            let (even, odd) = self.sorted.split_at_mut(count);
             for ((even, odd), both) in even.iter_mut().zip(odd).zip(self.whole.as_chunks::<2>().0) {
                 [*even, *odd] = *both;
             }
             return;
         }
-        for (first, phase) in self.phases.iter_mut().enumerate() {
+        for (first, phase) in self.sorted.chunks_exact_mut(count).enumerate() {
             phase
                 .iter_mut()
                 .zip(self.whole[first..].iter().step_by(self.step))
@@ -159,10 +157,8 @@ impl Padded {
     /// The samples from a place between the margins on, of which the margins are the first.
     #[inline(always)]
     fn lanes(&self, at: usize, block: usize) -> &[f32; LANES] {
-        match self.step {
-            1 => lanes(&self.whole, at + block * LANES),
-            step => lanes(&self.phases[at % step], at / step + block * LANES),
-        }
+        let values = if self.step == 1 { &self.whole } else { &self.sorted };
+        lanes(values, self.places[at] + block * LANES)
     }
 }
 

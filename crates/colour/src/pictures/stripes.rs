@@ -36,7 +36,7 @@ const ROWS: usize = 64;
 pub(super) const BATCH: usize = 8;
 
 /// Stripes for each thread, at least, of a large picture: longer ones compute fewer rows twice.
-const STRIPES: usize = 3;
+const STRIPES: usize = 4;
 
 /// Mean, median and 95th percentile of a difference.
 #[derive(Debug, Clone, Copy, PartialEq)]
