@@ -187,8 +187,7 @@ impl<const N: usize> Lanes<N> {
         };
         let count = palette.len();
         let table = |near: &[f32], of: &dyn Fn(usize, usize) -> usize| {
-            let row =
-                |state| lanes(&|at| if state < count { near[of(state, at)] } else { 0.0 }, 0.0);
+            let row = |state| lanes(&|at| if state < count { near[of(state, at)] } else { 0.0 }, 0.0);
             std::array::from_fn(row)
         };
         Self {
@@ -245,9 +244,10 @@ impl<const N: usize> Lanes<N> {
             let other = usize::from(neighbour.own);
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let mut there = self.single(neighbour);
-            let apart = near[own][other];
-            for to in 0..LANES {
-                there[to] += apart - near[own][to];
+            let from_own = near[own];
+            let apart = from_own[other];
+            for (there, from_own) in there.iter_mut().zip(from_own) {
+                *there += apart - from_own;
             }
             let mut smallest = [IMPOSSIBLE; LANES];
             let mut alone = self.near_other[number][other];
