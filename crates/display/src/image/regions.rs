@@ -113,6 +113,13 @@ enum Shown {
     As(u32),
 }
 
+/// What a pixel with a colour of its own shows.
+#[derive(Debug, Clone, Copy)]
+enum Own {
+    Ink(u8),
+    Itself,
+}
+
 /// Colour of an ink in pictures.
 struct Ink {
     state: u8,
@@ -160,12 +167,10 @@ impl Drawing {
 
     /// What each pixel of a drawing shows.
     fn shown(&self, inks: &[Ink], mapped: &[[f32; 3]], panel: &Panel<'_>) -> Vec<Option<Shown>> {
-        let ink =
-            |at: usize| inks.iter().find(|ink| ink.is(self.colours[at])).map(|ink| Shown::Ink(ink.state));
-        // Of pixels with a colour of their own.
-        let own: Vec<Option<Shown>> = (0..mapped.len())
+        let ink = |at: usize| inks.iter().find(|ink| ink.is(self.colours[at])).map(|ink| Own::Ink(ink.state));
+        let own: Vec<Option<Own>> = (0..mapped.len())
             .map(|at| match self.is_drawn[at] {
-                true => ink(at).or(self.solid[at].then_some(Shown::As(at as u32))),
+                true => ink(at).or(self.solid[at].then_some(Own::Itself)),
                 false => None,
             })
             .collect();
@@ -176,23 +181,23 @@ impl Drawing {
                 let closest = || Shown::Ink(panel.closest_state(at, mapped[at]) as u8);
                 Some(self.side(at, near, inks, self.long[at]).unwrap_or_else(closest))
             }
-            own => own,
+            own => own.map(|own| own.at(at)),
         };
         (0..mapped.len()).map(of).collect()
     }
 
     /// The different colours around a pixel.
-    fn near(&self, at: usize, reach: usize, own: &[Option<Shown>]) -> Vec<([u8; 3], Shown)> {
+    fn near(&self, at: usize, reach: usize, own: &[Option<Own>]) -> Vec<([u8; 3], Shown)> {
         let (x, y) = (at % self.columns, at / self.columns);
         let rows = self.colours.len() / self.columns;
         let mut near: Vec<([u8; 3], Shown)> = Vec::new();
         for y in y.saturating_sub(reach)..(y + reach + 1).min(rows) {
             for x in x.saturating_sub(reach)..(x + reach + 1).min(self.columns) {
                 let other = y * self.columns + x;
-                if let Some(shown) = own[other]
+                if let Some(own) = own[other]
                     && near.iter().all(|(colour, _)| *colour != self.colours[other])
                 {
-                    near.push((self.colours[other], shown));
+                    near.push((self.colours[other], own.at(other)));
                 }
             }
         }
@@ -225,6 +230,16 @@ impl Drawing {
             _ if is_long && !is_between => Some(Shown::As(at as u32)),
             None => near.first().map(|(_, shown)| *shown),
             side => side,
+        }
+    }
+}
+
+impl Own {
+    /// The same of the pixel at this place.
+    fn at(self, at: usize) -> Shown {
+        match self {
+            Self::Ink(state) => Shown::Ink(state),
+            Self::Itself => Shown::As(at as u32),
         }
     }
 }
