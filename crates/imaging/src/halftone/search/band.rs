@@ -209,13 +209,23 @@ impl<const N: usize> Band<'_, N> {
 
     #[inline(always)]
     fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f32)> {
-        let rows = self.states.len() / self.columns;
-        let neighbour = |number: usize| {
-            let (right, down) = NEIGHBOURS[number];
-            let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
-            (x < self.columns && y < rows && !self.is_fixed(x, y)).then(|| self.at(x, y))
-        };
-        costs.best(self.at(x, y), neighbour, scratch)
+        let [right, left_below, below, right_below] = NEIGHBOURS;
+        // Without a loop, which would keep them in memory.
+        let neighbours = [
+            self.neighbour(x, y, right),
+            self.neighbour(x, y, left_below),
+            self.neighbour(x, y, below),
+            self.neighbour(x, y, right_below),
+        ];
+        costs.best(self.at(x, y), neighbours, scratch)
+    }
+
+    /// A neighbour of a pixel, if it is inside the picture and may change.
+    #[inline(always)]
+    fn neighbour(&self, x: usize, y: usize, (right, down): (isize, isize)) -> Option<Here<N>> {
+        let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
+        let is_inside = x < self.columns && y < self.states.len() / self.columns;
+        if is_inside && !self.is_fixed(x, y) { Some(self.at(x, y)) } else { None }
     }
 
     #[inline(always)]

@@ -71,6 +71,9 @@ pub(super) struct Here<const N: usize> {
     pub(super) is_few: bool,
 }
 
+/// The neighbours of a pixel inside the picture.
+pub(super) type Neighbours<const N: usize> = [Option<Here<N>>; 4];
+
 impl<const N: usize> Costs<N> {
     pub(super) fn new(palette: &[[f64; N]], allowed: &[bool], filters: &[Filter; N]) -> Self {
         let correlations = filters.each_ref().map(Filter::autocorrelation);
@@ -100,17 +103,17 @@ impl<const N: usize> Costs<N> {
         [largest(0), largest(1)]
     }
 
-    /// The change of a pixel, alone or with one of its neighbours inside the picture, that lowers the error most, and by how much.
+    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much.
     #[inline(always)]
     pub(super) fn best(
         &self,
         here: Here<N>,
-        neighbour: impl Fn(usize) -> Option<Here<N>>,
+        neighbours: Neighbours<N>,
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         match &self.lanes {
-            Some(lanes) => lanes.best(self.least, here, neighbour),
-            None => self.best_of_many(here, std::array::from_fn(neighbour), scratch),
+            Some(lanes) => lanes.best(self.least, here, neighbours),
+            None => self.best_of_many(here, neighbours, scratch),
         }
     }
 
@@ -135,7 +138,7 @@ impl<const N: usize> Costs<N> {
     fn best_of_many(
         &self,
         pixel: Here<N>,
-        neighbours: [Option<Here<N>>; 4],
+        neighbours: Neighbours<N>,
         scratch: &mut Scratch,
     ) -> Option<(Change, f32)> {
         let Scratch { here, there, best_here, best_there } = scratch;
@@ -208,13 +211,14 @@ impl<const N: usize> Lanes<N> {
     #[inline(always)]
     fn single(&self, Here { own, r, is_few }: Here<N>) -> [f32; LANES] {
         let own = usize::from(own);
-        let mut costs = [0.0; LANES];
+        let (mut costs, mut before) = ([0.0; LANES], 0.0);
         for (r, doubled) in r.iter().zip(&self.doubled) {
             for (cost, doubled) in costs.iter_mut().zip(doubled) {
                 *cost += r * doubled;
             }
+            // The cost of its own state, too: to pick it out of the vector would take longer.
+            before += r * doubled[own];
         }
-        let before = costs[own];
         let squares = &self.squares[usize::from(is_few)][own];
         for (cost, square) in costs.iter_mut().zip(squares) {
             *cost = *cost - before + square;
@@ -223,12 +227,7 @@ impl<const N: usize> Lanes<N> {
     }
 
     #[inline(always)]
-    fn best(
-        &self,
-        least: f32,
-        pixel: Here<N>,
-        neighbour: impl Fn(usize) -> Option<Here<N>>,
-    ) -> Option<(Change, f32)> {
+    fn best(&self, least: f32, pixel: Here<N>, neighbours: Neighbours<N>) -> Option<(Change, f32)> {
         let own = usize::from(pixel.own);
         let here = self.single(pixel);
         let (mut best, mut lowest) = (None, -least);
@@ -239,8 +238,8 @@ impl<const N: usize> Lanes<N> {
                 }
             }
         }
-        for (number, near) in self.near.iter().enumerate() {
-            let Some(neighbour) = neighbour(number) else { continue };
+        for (number, (neighbour, near)) in neighbours.into_iter().zip(&self.near).enumerate() {
+            let Some(neighbour) = neighbour else { continue };
             let other = usize::from(neighbour.own);
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let mut there = self.single(neighbour);
