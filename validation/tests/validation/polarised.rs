@@ -529,3 +529,110 @@ fn places_below_flat_layers_keep_s_and_p_apart() {
     let mirror = "display.pixel={model=\"uniform\",kind=\"mirror\",reflectance={white=0.5,black=0.02}}";
     assert!(note_of_places(&placed(&[mirror]).scene).is_some());
 }
+
+/// Sheets of a front of screen in air, `[reflectance, absorptance]` from the top, as one: reflectance from above and from
+/// below, and transmittance.
+fn sheets(all: &[[f64; 2]]) -> [f64; 3] {
+    all.iter().fold([0.0, 0.0, 1.0], |[above, below, through], [r, a]| {
+        let (t, series) = (1.0 - r - a, 1.0 / (1.0 - below * r));
+        [above + through * through * r * series, r + t * t * below * series, through * t * series]
+    })
+}
+
+/// Reflectance, transmittance and reflectance from below of sheets above a face of glass, for s and p; all orders, by hand.
+fn below_sheets(all: &[[f64; 2]], theta_deg: f64) -> [[f64; 3]; 2] {
+    let [above, below, through] = sheets(all);
+    face(theta_deg, 1.5).map(|r| {
+        let (t, series) = (1.0 - r, 1.0 / (1.0 - below * r));
+        [above + through * through * r * series, through * t * series, r + t * t * below * series]
+    })
+}
+
+/// What the view sees of paper in diffuse light below such sheets and a face, with these weights of s and of p.
+fn paper_below_sheets(all: &[[f64; 2]], theta_deg: f64, paper: f64, weights: [f64; 2]) -> f64 {
+    const STEPS: usize = 20_000;
+    let (mut enters, mut returned) = (0.0, 1.0 - 1.0 / 2.25);
+    for step in 0..STEPS {
+        let theta_deg = 90.0 * (step as f64 + 0.5) / STEPS as f64;
+        let (sin, cos) = theta_deg.to_radians().sin_cos();
+        let weight = 2.0 * sin * cos * std::f64::consts::FRAC_PI_2 / STEPS as f64;
+        let [[_, t_s, back_s], [_, t_p, back_p]] = below_sheets(all, theta_deg);
+        enters += weight * 0.5 * (t_s + t_p);
+        returned += weight * 0.5 * (back_s + back_p) / 2.25;
+    }
+    let leaving = enters * paper / (1.0 - paper * returned) / 2.25;
+    let seen = below_sheets(all, theta_deg).map(|[r, t, _]| r + t * leaving);
+    weights[0] * seen[0] + weights[1] * seen[1]
+}
+
+/// Paper below a bare face and these sheets, in the short form or as a list of layers.
+fn paper_with_front(all: &[[f64; 2]], is_list: bool, set: &[&str]) -> Resolved {
+    let component = |[r, a]: &[f64; 2]| match is_list {
+        true => format!(
+            "[[display.layers]]\nkind = \"component\"\nreflectance = {r}\nabsorptance = {a}\n\
+             [[display.layers]]\nkind = \"medium\"\nindex = 1\nthickness_mm = 0.1\n"
+        ),
+        false => format!("[[display.front]]\nreflectance = {r}\nabsorptance = {a}\ngap_mm = 0.1\n"),
+    };
+    let glass = match is_list {
+        true => {
+            "[[display.layers]]\nkind = \"fresnel\"\n[[display.layers]]\nkind = \"medium\"\nindex = 1.5\nthickness_mm = 0.4\n"
+        }
+        false => "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.4\n",
+    };
+    let rest = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5, black = 0.02 }\n\
+        [spectrum]\nrange_nm = [540, 560]\nstep_nm = 10\n[viewer]\ntheta_deg = [60, 70, 80]\nfield_deg = 0\n[lighting]\ndiffuse = 1.0\n";
+    let text = all.iter().map(component).collect::<String>() + glass + rest;
+    let set: Vec<String> = set.iter().map(|one| (*one).to_owned()).collect();
+    Scenario::from_text(&text, "front", Path::new(""), &set).unwrap().resolve().unwrap()
+}
+
+/// A front of screen returns to a face what it has reflected, with its shares of s and p: both solvers, with and without
+/// a polariser, in both written forms.
+#[test]
+fn face_below_a_front_keeps_s_and_p_apart() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    // `[view][white, black]`.
+    let seen = |resolved: &Resolved| -> Vec<[f64; 2]> {
+        let result = run(&resolved.scene, &control).unwrap();
+        let of = |state: &str, view: usize| {
+            result.views[view].states.get(state).unwrap().value.reflectance_factor.clone().unwrap()[1]
+        };
+        (0..result.views.len()).map(|view| ["white", "black"].map(|state| of(state, view))).collect()
+    };
+    let fronts: [&[[f64; 2]]; 2] = [&[[0.3, 0.0]], &[[0.04, 0.05], [0.2, 0.0]]];
+    for all in fronts {
+        for (polariser, weights) in [(None, [0.5; 2]), (Some("s"), [1.0, 0.0]), (Some("p"), [0.0, 1.0])] {
+            let polariser = polariser.map(|word| format!("viewer.polariser={word}"));
+            let with = |set: &[&'static str], is_list: bool| {
+                let set: Vec<&str> = set.iter().copied().chain(polariser.as_deref()).collect();
+                seen(&paper_with_front(all, is_list, &set))
+            };
+            let exact = ["solver.method=adding", "solver.relative_error=1e-5"];
+            let paths =
+                ["solver.method=monte-carlo", sized("solver.paths=16384", "solver.paths=131072")];
+            for (set, most) in [(exact, 1e-5), (paths, sized(2e-3, 1e-3))] {
+                let found = with(&set, false);
+                assert_eq!(found, with(&set, true), "{all:?} {polariser:?} {set:?}");
+                for (theta_deg, found) in [60.0, 70.0, 80.0].into_iter().zip(found) {
+                    for (paper, found) in [0.5, 0.02].into_iter().zip(found) {
+                        let expected = paper_below_sheets(all, theta_deg, paper, weights);
+                        assert!(
+                            (found / expected - 1.0).abs() < most,
+                            "{all:?} {theta_deg} {paper} {polariser:?} {set:?}: {found} {expected}"
+                        );
+                    }
+                }
+            }
+        }
+        // The mean at each reflection is another number.
+        let as_mean = seen(&paper_with_front(all, false, &["solver.approximation=unpolarised"]));
+        let expected = paper_below_sheets(all, 70.0, 0.02, [0.5; 2]);
+        assert!((as_mean[1][1] / expected - 1.0).abs() > 0.004, "{} {expected}", as_mean[1][1]);
+    }
+    let note = |all, set: &[&str]| note_of_places(&paper_with_front(all, false, set).scene);
+    assert!(note(fronts[0], &[]).is_some() && note(fronts[1], &[]).is_some());
+    assert!(note(&[[0.0, 0.1]], &[]).is_none() && note(&[], &[]).is_none());
+    assert!(note(fronts[0], &["display.glass.surface=ideal-ar"]).is_none());
+}

@@ -74,6 +74,13 @@ fn changes() -> Vec<Change> {
         ("a thickness", |s| glass(s).thickness = Length::Mm(0.3)),
         ("another pixel", |s| s.display.pixel = scene("epaper", &[]).display.pixel),
         ("the grid", |s| *s = scene("indoor", &["spectrum.step_nm=80"])),
+        ("paper below a front and a face", |s| {
+            s.display.pixel = scene("epaper", &[]).display.pixel;
+            glass(s).interface = Ready::Fresnel.into();
+        }),
+        ("a front that reflects nothing", |s| front(s, 0.0)),
+        ("a front that returns light to the face", |s| front(s, 0.2)),
+        ("light that counts as unpolarised", |s| s.solver.approximation = Approximation::Unpolarised),
     ]
 }
 
