@@ -610,8 +610,7 @@ fn face_below_a_front_keeps_s_and_p_apart() {
                 seen(&paper_with_front(all, is_list, &set))
             };
             let exact = ["solver.method=adding", "solver.relative_error=1e-5"];
-            let paths =
-                ["solver.method=monte-carlo", sized("solver.paths=16384", "solver.paths=131072")];
+            let paths = ["solver.method=monte-carlo", sized("solver.paths=16384", "solver.paths=131072")];
             for (set, most) in [(exact, 1e-5), (paths, sized(2e-3, 1e-3))] {
                 let found = with(&set, false);
                 assert_eq!(found, with(&set, true), "{all:?} {polariser:?} {set:?}");

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::Control;
+use papilio_display::scene::Approximation;
 use papilio_display::spatial::walk::{self, Mean};
 use papilio_display::spatial::{MtfResult, SpatialScalars, crosstalk, mtf};
 use papilio_scenario::{Resolved, Scenario};
@@ -197,7 +198,10 @@ fn front_lights_have_the_colours_of_a_run() {
             MATRIX,
             "[solver]\nrelative_error = 1e-5\n",
         ]);
-        let colours = common::run(&scenario.scene).unwrap();
+        // Light with its places counts as unpolarised between front and face.
+        let mut unpolarised = scenario.scene.clone();
+        unpolarised.solver.approximation = Approximation::Unpolarised;
+        let colours = common::run(&unpolarised).unwrap();
         let result = computed(&scenario);
         for (name, state) in result.views[0].states.iter() {
             let terms = &colours.views[0].states.get(name).unwrap().value.terms;

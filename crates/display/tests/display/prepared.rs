@@ -75,7 +75,7 @@ fn changes() -> Vec<Change> {
         ("another pixel", |s| s.display.pixel = scene("epaper", &[]).display.pixel),
         ("the grid", |s| *s = scene("indoor", &["spectrum.step_nm=80"])),
         ("paper below a front and a face", |s| {
-            s.display.pixel = scene("epaper", &[]).display.pixel;
+            s.display.pixel = scene("epaper", &["spectrum.step_nm=80"]).display.pixel;
             glass(s).interface = Ready::Fresnel.into();
         }),
         ("a front that reflects nothing", |s| front(s, 0.0)),
