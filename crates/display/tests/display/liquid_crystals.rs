@@ -10,6 +10,7 @@ use papilio_display::scene::Scene;
 use papilio_display::{BrdfGrid, Control, DisplayError};
 use papilio_optics::lobe::Lobe;
 use papilio_scenario::Scenario;
+use papilio_spectra::{Grid, material};
 use papilio_testing::sized;
 
 use crate::common::{prepared_for, run, scenario, walked};
@@ -97,6 +98,43 @@ fn circular_polariser_leaves_the_square_of_the_cosine() {
     let found = scan_at(&scene, &[0.0], &[0.0]).unwrap().states.swap_remove(0).1;
     for (k, expected) in [(0, 0.058_489), (2, 0.0), (4, 0.028_636)] {
         assert!((found[k] - expected).abs() < 2e-3 * expected + 2e-4, "{}: {}", k, found[k]);
+    }
+}
+
+/// Spectra of a stack over silver by inclination, one after the other.
+fn over_silver(stack: &str, thetas_deg: &[f64], range: &str) -> Vec<f64> {
+    let stack = format!("display.pixel.stack=[{stack}]");
+    let changes = [&stack, "display.pixel.substrate=Ag", range, "spectrum.step_nm=10"];
+    let scene = scenario("circular-polariser", &changes).unwrap().scene;
+    scan_at(&scene, thetas_deg, 0.0).unwrap().states.swap_remove(0).1
+}
+
+const POLARISER: &str = "{ kind = \"polariser\", axis_deg = 0, transmittance = 0.49, extinction = 1e-4 }";
+
+/// The reflector below a polariser reflects as below a transparent medium of its index; and a retarder of retardance 0 between the
+/// polariser and a reflector, a cell or a helix changes nothing.
+#[test]
+fn layers_below_a_polariser_are_as_below_a_retarder_without_retardance() {
+    let nothing = "{ kind = \"retarder\", axis_deg = 30, retardance_nm = 0 }";
+    let cell = "{ kind = \"cell\", gap_um = 3, n_o = 1.5, n_e = 1.6, rub_deg = 40, twist_deg = 70, pretilt_deg = 3 }";
+    let helix = "{ kind = \"cholesteric\", pitch_nm = 350, handedness = \"left\", n_o = 1.5, n_e = 1.65, thickness_um = 3 }";
+    let range = "spectrum.range_nm=[540,560]";
+    for below in ["", cell, helix] {
+        let stack = |between: &str| -> Vec<f64> {
+            let layers = [POLARISER, between, below].into_iter().filter(|layer| !layer.is_empty());
+            over_silver(&layers.collect::<Vec<_>>().join(", "), &[0.0, 30.0], range)
+        };
+        for (direct, between) in stack("").iter().zip(stack(nothing)) {
+            assert!((direct / between - 1.0).abs() < 1e-4, "{below}: {direct} {between}");
+        }
+    }
+    // The light goes twice through 2 T/(1 + extinction), half of it, onto r = (n - n_Ag)/(n + n_Ag).
+    let found = over_silver(POLARISER, &[0.0], range);
+    let silver = material("Ag").unwrap().on(&Grid::new(540.0, 560.0, 10.0).unwrap()).unwrap();
+    for (found, n) in found.iter().zip(silver) {
+        let reflectance = ((1.5 - n) / (1.5 + n)).norm_sqr();
+        let expected = 0.5 * (0.98_f64 / 1.0001).powi(2) * reflectance;
+        assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
     }
 }
 

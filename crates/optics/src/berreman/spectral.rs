@@ -8,7 +8,8 @@
 //! - Other layers become scattering matrices, once for all states that have them in common, and once for all azimuths where they are isotropic;
 //!   turns of a helix by doubling ([`helix`](super::helix)).
 //! - Light that crosses a thick layer a different number of times does not interfere: from the lowest thick layer up, reflections are actions on coherency
-//!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves, and has the faces of its mean index.
+//!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves, and has the faces of its mean index, with the absorption
+//!   of the wave that it absorbs least.
 
 mod faces;
 mod material;

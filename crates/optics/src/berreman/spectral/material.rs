@@ -27,7 +27,7 @@ pub(super) struct Material {
 /// A part as a thick layer.
 #[derive(Clone, Copy)]
 pub(super) struct Thick {
-    /// Reflections of a face from the reference to a medium of its mean index, p and s.
+    /// Reflections of a face from the reference to a medium of its mean index and least absorption, p and s.
     pub(super) faces: [Complex; 2],
     /// Wave vector along the normal in that medium, over k0.
     pub(super) wave: Complex,
@@ -46,7 +46,14 @@ impl Material {
         let rate = along[0].larger(along[1]).larger(along[2]) * Real::splat(GROWTH);
         let is_zero = |value: Complex| value.norm_sqr().max() == 0.0;
         let [biaxial, isotropic] = [!is_zero(more[1]), is_zero(more[0]) && is_zero(more[1])];
-        let mean = root(c + (more[0] + more[1]).scaled(Real::splat(1.0 / 3.0)));
+        // What leaves a polariser is the wave that it transmits: its faces are those of a medium that absorbs as that wave is absorbed.
+        let [k, k_b, k_c] = indices.map(|index| -index.im);
+        let k = -k.larger(k_b).larger(k_c);
+        let [a, b, c_of_wave] = indices.map(|index| {
+            let index = Complex { re: index.re, im: k };
+            index * index
+        });
+        let mean = root((a + b + c_of_wave).scaled(Real::splat(1.0 / 3.0)));
         let wave = root(mean * mean - Complex::from(group.beta * group.beta));
         let eighth = wave.re.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
         let turn = Complex::from(wave.re * eighth).wave().scaled(Real::splat(0.5));
