@@ -138,6 +138,24 @@ fn layers_below_a_polariser_are_as_below_a_retarder_without_retardance() {
     }
 }
 
+/// The default number of slices of cells that turn far, against 2000.
+#[test]
+fn default_slices_of_a_cell_equal_many() {
+    for (cell, theta_deg) in [
+        ("gap_um = 6, n_o = 1.5, n_e = 1.63, twist_deg = 240", 40.0),
+        ("gap_um = 4, n_o = 1.5, n_e = 1.6, twist_deg = 240, pretilt_deg = 10", 0.0),
+        ("gap_um = 20, n_o = 1.5, n_e = 1.63, twist_deg = 360", 0.0),
+    ] {
+        let [own, many] = ["", ", slices = 2000"].map(|slices| {
+            let stack = format!("{POLARISER}, {{ kind = \"cell\", {cell}{slices} }}");
+            // The sensitivity of Y is that of its middle, 555 nm.
+            let found = over_silver(&stack, &[theta_deg], "spectrum.range_nm=[460,650]");
+            found.iter().enumerate().map(|(k, r)| r * (-((k as f64 - 9.5) / 6.0).powi(2)).exp()).sum::<f64>()
+        });
+        assert!((own / many - 1.0).abs() < 1e-4, "{cell}: {own} {many}");
+    }
+}
+
 /// Positions of the bands of cholesteric paper: from n_o p to n_e p along the normal, half of the light there, and bluer from the side by
 /// the cosine of the angle in the layer (J. L. Fergason, Mol. Cryst. 1, 293 (1966)).
 #[test]

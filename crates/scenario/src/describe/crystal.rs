@@ -147,8 +147,9 @@ table! {
         /// The director in each state: `{ volts }`, `{ tilt_deg, twist_deg }`, or a file (CSV: depth, tilt_deg, twist_deg). Default: one
         /// state, `cell` (`pixel` if the display has no cell).
         states: Named<CellState> = Named(Vec::new()),
-        /// Number of slices.
-        slices: Count<1, 2000> = Count(40),
+        /// Number of slices in each state. Default: 40 or more, by the turn of the director and the retardance, as many
+        /// as keep Y within 1e-4.
+        slices: Option<Count<1, 2000>>,
     }
 }
 

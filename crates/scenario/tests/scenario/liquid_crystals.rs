@@ -21,7 +21,7 @@ stack = [
   { kind = "slab", material = 1.52 },
   { kind = "cholesteric", pitch_nm = 350, handedness = "left", n_o = 1.5, n_e = 1.65, thickness_um = 0.7 },
   { kind = "film", material = "ITO", thickness_nm = 30 },
-  { kind = "cell", gap_um = 3.2, n_o = 1.50, n_e = 1.60, rub_deg = 5, twist_deg = 63.6, pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } } },
+  { kind = "cell", gap_um = 3.2, n_o = 1.50, n_e = 1.60, rub_deg = 5, twist_deg = 63.6, slices = 40, pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } } },
 ]
 "#;
 
@@ -92,6 +92,27 @@ fn directors_come_from_a_file_by_depth() {
     let axis = slices[1][9].axes[0];
     close(axis[2], (2.0 + 58.0 * 9.5 / 20.0_f64).to_radians().sin());
     close(axis[1].atan2(axis[0]).to_degrees(), 5.0 + 60.0 * 9.5 / 40.0);
+}
+
+/// Without `slices`, their number follows from the turn of the director and the retardance of each state; fewer of the user's are noted.
+#[test]
+fn slices_follow_from_the_turn_and_the_retardance() {
+    let counts = |cell: &str| -> (Vec<usize>, Vec<String>) {
+        let text = GOOD
+            .replace("rub_deg = 5, ", "")
+            .replace("slices = 40", cell)
+            .replace("gap_um = 3.2", "gap_um = 5.5");
+        let resolved = resolve(&text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        let Pixel::Crystal(mut pixel) = resolved.scene.display.pixel else { panic!("another pixel") };
+        (pixel.parts.pop().unwrap().slices.iter().map(Vec::len).collect(), resolved.notes)
+    };
+    // One wave at 550 nm: 1.4 a degree of turn of the director, whose end turns less where it is tilted; 100 nm at most.
+    let (own, notes) = counts("rub_deg = 5");
+    assert_eq!(own, [55, 84]);
+    assert!(!notes.iter().any(|note| note.contains("slices")), "{notes:?}");
+    let (own, notes) = counts("slices = 60");
+    assert_eq!(own, [60, 60]);
+    assert!(notes.iter().any(|note| note.contains("`slices` = 60") && note.contains("84")), "{notes:?}");
 }
 
 /// The director of each state is that of the relaxation, and the threshold shows: nothing moves at 1 V, the middle lies at 10 V.
@@ -219,7 +240,7 @@ fn mistakes_are_explained() {
         ("substrate = \"Al\"\n", "", "substrate"),
         ("retardance_nm = 275", "retardance_nm = -9000, thickness_um = 1", "exceeds its index"),
         (
-            "twist_deg = 63.6, pretilt_deg = 2, states",
+            "twist_deg = 63.6, slices = 40, pretilt_deg = 2, states",
             "states = { a = { tilt_deg = 1 } } }, { kind = \"cell\", gap_um = 1, n_o = 1.5, n_e = 1.6, states",
             "two layers have different states",
         ),
