@@ -106,7 +106,7 @@ fn over_silver(stack: &str, thetas_deg: &[f64], range: &str) -> Vec<f64> {
     let stack = format!("display.pixel.stack=[{stack}]");
     let changes = [&stack, "display.pixel.substrate=Ag", range, "spectrum.step_nm=10"];
     let scene = scenario("circular-polariser", &changes).unwrap().scene;
-    scan_at(&scene, thetas_deg, 0.0).unwrap().states.swap_remove(0).1
+    scan_at(&scene, thetas_deg, &[0.0]).unwrap().states.swap_remove(0).1
 }
 
 const POLARISER: &str = "{ kind = \"polariser\", axis_deg = 0, transmittance = 0.49, extinction = 1e-4 }";
