@@ -60,7 +60,7 @@ fn in_turn<T: Send, R: Send>(
         done
     };
     let mut results = std::thread::scope(|scope| {
-        let others: Vec<_> = (0..others).map(|_| scope.spawn(&work)).collect();
+        let others: Vec<_> = (0..others).map(|_| scope.spawn(work)).collect();
         let mut results = work();
         for other in others {
             results.extend(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));

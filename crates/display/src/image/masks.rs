@@ -28,11 +28,13 @@ enum Mixer<'a> {
     States { solver: LeastVariance, hull: StateHull, order: Vec<u8>, numbers: Vec<u8>, mask: &'a Mask },
 }
 
-/// The states of so many pixels by a mask, of those that a function returns the target of, and whether they take the few states of neutral
-/// colours.
+/// The target of a pixel by its number, and whether it takes the few states of neutral colours; `None`: the mask does not decide its state.
+type Target<'a> = dyn Fn(usize) -> Option<([f32; 3], bool)> + 'a;
+
+/// The states of so many pixels by a mask.
 pub(super) fn masked(
     mask: &Mask,
-    (pixels, target): (usize, &dyn Fn(usize) -> Option<([f32; 3], bool)>),
+    (pixels, target): (usize, &Target<'_>),
     panel: &Panel<'_>,
     control: &Control<'_>,
 ) -> Result<Vec<Option<u8>>, DisplayError> {

@@ -291,7 +291,7 @@ fn in_turn<T: Send, R: Send>(threads: usize, items: Vec<T>, of: impl Fn(T) -> R 
         done
     };
     let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let running: Vec<_> = (0..count).map(|_| scope.spawn(&work)).collect();
+        let running: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
         running
             .into_iter()
             .flat_map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
