@@ -40,7 +40,7 @@ pub enum ColourError {
     NoWhite,
     /// A hull has 2 to 64 states with finite X, Y and Z.
     #[error(
-        "{states} states, or some without a finite colour, cannot be mixed; expected 2 to 64 states with finite X, Y and Z"
+        "a picture needs 2 to 64 states with finite X, Y and Z; there are {states}, or some without a finite colour"
     )]
     States {
         /// The number of states.
@@ -53,7 +53,8 @@ pub enum ColourError {
     Dependent,
     /// White and black of a display are mixtures of its states, and white is brighter.
     #[error(
-        "white (Y = {white}) and black (Y = {black}) must be mixtures of the states of the display, and white brighter in X, Y and Z"
+        "no picture is seen in this light and view: white (Y = {white:.4}) must be brighter than black (Y = {black:.4}) in X, Y and Z, and both be \
+         mixtures of the states of the display"
     )]
     WhiteAndBlack {
         /// Y of the white.

@@ -257,7 +257,7 @@ impl Setup {
     }
 
     /// Refuses a BSDF of a display whose pixel depends on azimuth: it would be a function of two azimuths.
-    pub(crate) fn is_isotropic(&self) -> Result<(), DisplayError> {
+    pub(crate) fn check_isotropic(&self) -> Result<(), DisplayError> {
         if !self.stack.base().is_azimuthal() {
             return Ok(());
         }

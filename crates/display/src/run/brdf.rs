@@ -46,7 +46,7 @@ pub fn brdf_resumed(
     saved: &dyn SavedRows,
 ) -> Result<BrdfTable, DisplayError> {
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
-    setup.is_isotropic()?;
+    setup.check_isotropic()?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let survey = Survey::new((&setup, control, saved), &grid, finest(&setup)?);

@@ -60,7 +60,7 @@ pub fn brdf_at_viewers_resumed<G: ViewerGrid>(
     saved: &dyn SavedRows,
 ) -> Result<ViewerTable<G>, DisplayError> {
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
-    setup.is_isotropic()?;
+    setup.check_isotropic()?;
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
     let lights = grid.theta_i_deg().to_vec();

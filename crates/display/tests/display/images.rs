@@ -299,6 +299,7 @@ fn pictures_through_sunglasses_have_the_colours_of_pages() {
     let front = page([0.0, 0.0], 0.0);
     let found = control(|control| image(&front, &source, &settings, Screen::default(), control));
     assert_eq!(found.numbers.coverage.as_ref().unwrap().get("white"), Some(&1.0));
+    assert!(found.numbers.error < 2e-3, "{}", found.numbers.error);
     let oblique = 40_f64.atan2(100.0).to_degrees();
     for (place, view, angle_deg) in [
         ([4, 4], [0.0, 0.0], 0.0),

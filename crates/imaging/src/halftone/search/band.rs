@@ -5,12 +5,12 @@
 //! those between, which have the other rows inside.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use pulp::NullaryFnOnce;
 
 use super::correlate::{Correlate, Shown};
 use super::costs::{Change, Costs, Here, LANES, NEIGHBOURS, Scratch};
+use crate::in_turn;
 
 /// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
 const BLOCK: usize = 8;
@@ -67,8 +67,7 @@ impl<const N: usize> Field<N> {
         let margin = costs.reach()[0] + LANES;
         let per_row = N * (columns + 2 * margin);
         let mut correlated = vec![0.0; rows * per_row];
-        let bands: Vec<_> = correlated.chunks_mut(per_row * CORRELATED_ROWS).enumerate().collect();
-        let errors = in_turn(threads, bands, |(number, into)| {
+        let errors = in_turn(threads, correlated.chunks_mut(per_row * CORRELATED_ROWS), |number, into| {
             let first = number * CORRELATED_ROWS;
             let rows = first..first + into.len() / per_row;
             let work = Correlate { shown, costs, rows, into, margin };
@@ -93,8 +92,9 @@ impl<const N: usize> Field<N> {
         let mut progress = Progress::default();
         for shift in [0, 2 * quarter] {
             let bands = self.bands(quarter, shift, marks);
-            let found =
-                in_turn(threads, bands, |band| pulp::Arch::new().dispatch(Search { band, costs, stop }));
+            let found = in_turn(threads, bands.into_iter(), |_, band| {
+                pulp::Arch::new().dispatch(Search { band, costs, stop })
+            });
             for found in found {
                 let Progress { changes, gain } = found?;
                 progress.changes += changes;
@@ -272,31 +272,4 @@ impl<const N: usize> Band<'_, N> {
             self.touched[row * blocks..][along.clone()].fill(true);
         }
     }
-}
-
-/// The results of a function of each item, in their order, by several threads.
-fn in_turn<T: Send, R: Send>(threads: usize, items: Vec<T>, of: impl Fn(T) -> R + Sync) -> Vec<R> {
-    let count = threads.clamp(1, items.len().max(1));
-    if count == 1 {
-        return items.into_iter().map(of).collect();
-    }
-    // Each thread takes the next one.
-    let next = Mutex::new(items.into_iter().enumerate());
-    let take = || next.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let work = || {
-        let mut done = Vec::new();
-        while let Some((at, item)) = take() {
-            done.push((at, of(item)));
-        }
-        done
-    };
-    let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let running: Vec<_> = (0..count).map(|_| scope.spawn(work)).collect();
-        running
-            .into_iter()
-            .flat_map(|one| one.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    });
-    results.sort_by_key(|(at, _)| *at);
-    results.into_iter().map(|(_, result)| result).collect()
 }
