@@ -40,6 +40,9 @@ CASES = [
     ("mirror", 0.3, 0.02, 0, 0, 1, 2, 0, 400),
     ("lambertian", 1.0, 0.036, 17, 0, 17, 3, 0, 400),
     ("lambertian", 0.8, 0.036, 0, 0, 40, 5, 0, 400),
+    # Large lamps: their light has other mean direction cosines than their middle.
+    ("mirror", 0.3, 0.05, 50, 0, 45, 10, 0, 400),
+    ("lambertian", 1.0, 0.036, 17, 0, 17, 20, 0, 400),
 ]
 
 
@@ -95,6 +98,21 @@ def around(beta, radius, count, random):
     return u * along[0] - v * along[1], u * along[1] + v * along[0]
 
 
+def in_cone(axis, radius, count, random):
+    """Random directions of a cone, in proportion to the irradiance of a plane, as direction cosines relative to its axis's."""
+    cosine = 1 - random.random(count) * (1 - np.cos(radius))
+    turn = 2 * np.pi * random.random(count)
+    local = np.stack([np.sqrt(1 - cosine**2) * np.cos(turn), np.sqrt(1 - cosine**2) * np.sin(turn), cosine])
+    b = np.hypot(*axis)
+    along = np.array(axis) / b if b > 0 else np.array([1.0, 0.0])
+    up = np.sqrt(1 - b * b)
+    # The axis, the direction across it in the plane of incidence, and the one across that plane.
+    frame = np.array([[up * along[0], -along[1], axis[0]], [up * along[1], along[0], axis[1]], [-b, 0, up]])
+    x, y, z = frame @ local
+    kept = random.random(count) * min(1, np.cos(max(0, np.arccos(up) - radius))) < z
+    return x[kept] - axis[0], y[kept] - axis[1]
+
+
 def irradiance(case, slopes, view, random, rays):
     """Light of the lamp on cells of the pixel plane, in the coordinate of the view's undeflected rays."""
     _, gap, _, _, azimuth, lamp, radius, _, _ = case
@@ -104,8 +122,8 @@ def irradiance(case, slopes, view, random, rays):
     cells = np.zeros(CELLS * CELLS)
     block = 4_000_000
     for _ in range(rays // block):
-        x, y = SIDE * random.random(block), SIDE * random.random(block)
-        bx, by = around(beam.beta, np.sin(np.radians(radius)), block, random)
+        bx, by = in_cone(beam.beta, np.radians(radius), block, random)
+        x, y = SIDE * random.random(bx.size), SIDE * random.random(bx.size)
         u, v = beam.moved([at(values, x, y) for values in slopes])
         p = beam.place_per_beta
         x = x + u + beam.place[0] + view.place[0] + p[0, 0] * bx + p[0, 1] * by
@@ -138,12 +156,11 @@ def light(case, slopes, random, rays):
             p = view.place_per_beta
             back = [2 * (view.place[k] + p[k, 0] * bx + p[k, 1] * by) for k in (0, 1)]
             other = [at(values, x - back[0] + 2 * u, y - back[1] + 2 * v) for values in slopes]
-            middle = np.sin(np.radians(lamp))
-            seen = [view.beta[k] + (bx, by)[k] - view.bend * (m[k] + other[k]) - middle * axis[k] for k in (0, 1)]
-            along = (seen[0] * axis[0] + seen[1] * axis[1]) / np.cos(np.radians(lamp))
-            across = seen[1] * axis[0] - seen[0] * axis[1]
-            sine = np.sin(np.radians(radius))
-            found = (along**2 + across**2 < sine**2) / (sine**2 * np.cos(np.radians(lamp)))
+            seen = [view.beta[k] + (bx, by)[k] - view.bend * (m[k] + other[k]) for k in (0, 1)]
+            lamp_rad, radius_rad = np.radians(lamp), np.radians(radius)
+            up = np.sqrt(np.maximum(0, 1 - seen[0] ** 2 - seen[1] ** 2))
+            cosine = np.sin(lamp_rad) * (seen[0] * axis[0] + seen[1] * axis[1]) + np.cos(lamp_rad) * up
+            found = (cosine > np.cos(radius_rad)) / (np.sin(radius_rad) ** 2 * np.cos(lamp_rad))
         total += (1 - SHARE + SHARE * found).reshape(PIXELS, PIXELS)
     return total / rays
 

@@ -154,7 +154,7 @@ impl Plan {
     pub fn new(panel: Panel, effort: Effort) -> Result<Self, SparkleError> {
         check(&panel, &effort)?;
         let view = Deflection::new(&panel.media, panel.view);
-        let of_source = |source: &Source| Deflection::new(&panel.media, source.beta);
+        let of_source = |source: &Source| Deflection::new(&panel.media, source.middle());
         let entering: Vec<Deflection> = panel.room.sources.iter().map(of_source).collect();
         let meetings = Meetings::new(&panel, &view, &entering);
         let (cells, of_pixel, sampler) = cells(&panel, &view, &meetings, &effort)?;

@@ -29,7 +29,7 @@ impl Room {
 /// A round source of uniform radiance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// Direction cosines of propagation of the light from its middle, `|beta| < 1`.
+    /// Direction cosines of propagation of the light from the middle of its disc, `|beta| < 1`.
     pub beta: Beta,
     /// Angular radius, degrees, above 0 and up to 90.
     pub radius_deg: f64,
@@ -53,16 +53,22 @@ impl Source {
         self.illuminance / (self.radius().powi(2) * self.cosine())
     }
 
+    /// Mean direction cosines of its light: the cosines of directions in a cone fill an ellipse about
+    /// `cos(r)` times those of its axis.
+    pub(crate) fn middle(&self) -> Beta {
+        let cosine = self.radius_deg.to_radians().cos();
+        Beta { x: cosine * self.beta.x, y: cosine * self.beta.y }
+    }
+
     /// True if light with these direction cosines comes from the source.
     #[inline]
     fn contains(&self, beta: Beta) -> bool {
-        let b = self.beta.length();
-        let [x, y] = if b > 0.0 { [self.beta.x / b, self.beta.y / b] } else { [1.0, 0.0] };
-        let away = beta - self.beta;
-        // Foreshortened along the plane of incidence.
-        let along = (away.x * x + away.y * y) / self.cosine();
-        let across = away.y * x - away.x * y;
-        along * along + across * across < self.radius().powi(2)
+        if beta.squared() >= 1.0 {
+            return false;
+        }
+        let (away, rise) = (beta - self.beta, (1.0 - beta.squared()).sqrt() - self.cosine());
+        let chord = 2.0 * (0.5 * self.radius_deg.to_radians()).sin();
+        away.squared() + rise * rise < chord * chord
     }
 }
 
@@ -164,5 +170,59 @@ impl Received<'_> {
             if b > 0.0 { [(x * beta.x + y * beta.y) / b, (y * beta.x - x * beta.y) / b] } else { [x, y] };
         let z = 2.0 * PI * self.source.radius() * across.hypot(self.source.cosine() * along);
         if z < 1e-6 { 1.0 } else { 2.0 * libm::j1(z) / z }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the law of cosines of spherical triangles; the edge in the plane of incidence is at the sum and the
+    /// difference of inclination and radius.
+    #[test]
+    fn discs_are_cones_about_their_axes() {
+        let of = |theta: f64, radius_deg: f64| Source {
+            beta: Beta::towards(theta, 0.0, 1.0),
+            radius_deg,
+            illuminance: 1.0,
+        };
+        for (theta, radius) in [(45.0, 30.0), (20.0, 10.0), (60.0, 10.0), (70.0, 0.265)] {
+            let source = of(theta, radius);
+            for (at, is_inside) in [(-1.01, false), (-0.99, true), (0.99, true), (1.01, false)] {
+                let light = Beta::towards(theta + at * radius, 0.0, 1.0);
+                assert_eq!(source.contains(light), is_inside, "{theta} {radius} {at}");
+            }
+            let mut met = 0;
+            for k in 0..400 {
+                let (inclination, azimuth) = (f64::from(k % 20) * 4.5, f64::from(k / 20) * 9.0);
+                let [t, i, a] = [theta, inclination, azimuth].map(f64::to_radians);
+                let apart = (t.cos() * i.cos() + t.sin() * i.sin() * a.cos()).acos().to_degrees();
+                assert_eq!(source.contains(Beta::towards(inclination, azimuth, 1.0)), apart < radius);
+                met += usize::from(apart < radius);
+            }
+            assert!(met > 0 || radius < 1.0, "{theta} {radius}");
+        }
+    }
+
+    /// The illuminance, and the mean direction, by a sum over direction cosines.
+    #[test]
+    fn discs_have_their_illuminance_and_middle() {
+        let source = Source { beta: Beta::towards(40.0, 30.0, 1.0), radius_deg: 25.0, illuminance: 3.0 };
+        let steps = 1000;
+        let at = |k: i32| (f64::from(k) + 0.5) / f64::from(steps);
+        let (mut sum, mut mean) = (0.0, [0.0; 2]);
+        for (row, column) in (-steps..steps).flat_map(|row| (-steps..steps).map(move |column| (row, column)))
+        {
+            let beta = Beta { x: at(column), y: at(row) };
+            if source.contains(beta) {
+                sum += 1.0;
+                mean = [mean[0] + beta.x, mean[1] + beta.y];
+            }
+        }
+        let illuminance = source.radiance() / PI * sum / f64::from(steps * steps);
+        assert!((illuminance - 3.0).abs() < 3e-3, "{illuminance}");
+        let middle = source.middle();
+        let away = (mean[0] / sum - middle.x).hypot(mean[1] / sum - middle.y);
+        assert!(away < 1e-4, "{away}");
     }
 }
