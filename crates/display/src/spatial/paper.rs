@@ -50,6 +50,9 @@ const MOST_FREQUENCIES: f64 = 131_072.0;
 /// Period of lines, in reaches.
 const LINE_PERIOD: f64 = 64.0;
 
+/// Most pixels of a text that are divided into cells even if they are smaller than cells need to be.
+const MANY_PIXELS: usize = 1 << 15;
+
 /// Tolerance of the irradiance of patterns.
 const TOLERANCE: f64 = 1e-9;
 
@@ -490,17 +493,18 @@ impl Response for Paper {
         if period_mm == 0.0 {
             return Some(self.fine_mean(states));
         }
-        let widest = match (kind, level.is_fine) {
-            (PatternKind::Stripes, true) => 0.05,
-            (PatternKind::Stripes, false) => 0.1,
-            (PatternKind::Checkerboard, true) => 0.15,
-            (PatternKind::Checkerboard, false) => 0.3,
+        // The least numbers also differ: the difference of both levels is the error of fine patterns, too.
+        let (widest, least) = match (kind, level.is_fine) {
+            (PatternKind::Stripes, true) => (0.05, 64),
+            (PatternKind::Stripes, false) => (0.1, 32),
+            (PatternKind::Checkerboard, true) => (0.15, 16),
+            (PatternKind::Checkerboard, false) => (0.3, 8),
         };
         let widest_mm = widest * self.thickness_mm;
         let (half, rows) = match kind {
-            PatternKind::Stripes => ((0.5 * period_mm / widest_mm).ceil().clamp(4.0, 4096.0) as usize, 1),
+            PatternKind::Stripes => (((0.5 * period_mm / widest_mm).ceil() as usize).clamp(least, 4096), 1),
             PatternKind::Checkerboard => {
-                let half = (cells_across(period_mm, widest_mm, level) / 2).max(4);
+                let half = (cells_across(period_mm, widest_mm, level) / 2).max(least);
                 (half, 2 * half)
             }
         };
@@ -516,8 +520,10 @@ impl Response for Paper {
         let pitch_mm = &text.pitch_mm;
         let on_page = Text { bitmap, pitch_mm: *pitch_mm, middles };
         let widest_mm = if level.is_fine { 0.17 } else { 0.4 } * self.thickness_mm;
-        // An odd number of cells: one is in the middle of each pixel.
+        // An odd number of cells: one is in the middle of each pixel. The least numbers also differ, as far as so
+        // many cells fit, so that the difference of both levels is the error of small pixels, too.
         let least = match (self.spread, level.is_fine) {
+            (None, true) if bitmap.black.len() <= MANY_PIXELS => 3,
             (None, _) => 1,
             (Some(_), true) => 5,
             (Some(_), false) => 3,
