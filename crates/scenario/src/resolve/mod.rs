@@ -271,7 +271,6 @@ impl Resolver<'_> {
         self.note_scattering(&scene);
         self.warn_of_fringes(&scene);
         self.warn_of_unbounded(&scene);
-        self.warn_of_rare_light(&scene);
         self.check_target(file, &scene);
         Some(scene)
     }

@@ -1,12 +1,9 @@
-//! Where the errors of Monte Carlo have no meaning: lobes that scatter more light than they receive (Ward's in Duer's normalisation), and light
-//! of lamps that only three narrow lobes in turn bring to the viewer.
+//! Lobes that scatter more light than they receive: Ward's in Duer's normalisation.
 
 use papilio_display::scene::{
-    Interface, LobeReflection, Method, Pixel, Ready, ReflectedLobe, ReflectingDiffuser, Scene, Stop,
-    UniformKind,
+    Interface, LobeReflection, Pixel, Ready, ReflectedLobe, ReflectingDiffuser, Scene, UniformKind,
 };
 use papilio_optics::interface::fresnel_reflectance;
-use papilio_optics::lobe::Lobe;
 use papilio_optics::scatter::Scatter;
 use papilio_spectra::Spectrum;
 
@@ -21,12 +18,6 @@ const TOWARDS_HORIZON: f64 = 1e-4;
 /// Reflectance factor of light that passes such lobes twice near the horizon, for each factor of e in its
 /// cosine, that gives a warning.
 const AT_HORIZON: f64 = 1e-4;
-
-/// Width of a lobe, in direction cosines, below which few paths meet a lamp by chance.
-const NARROW: f64 = 0.1;
-
-/// Number of paths that meet it.
-const ENOUGH_PATHS: u64 = 1 << 18;
 
 /// A lobe whose albedo has no bound at grazing angles.
 pub(super) struct UnboundedLobe {
@@ -175,33 +166,6 @@ impl Resolver<'_> {
                     lobe.path
                 ));
             }
-        }
-    }
-
-    /// Warns of a run of Monte Carlo to an error where a diffuser with a narrow lobe reflects light between its two passages: the light of a lamp
-    /// that leaves its direction in the first or the last of three narrow lobes is rare and bright, and runs end before they have met it.
-    pub(super) fn warn_of_rare_light(&mut self, scene: &Scene) {
-        let by_paths = scene.solver.method == Method::MonteCarlo;
-        let is_enough = matches!(scene.solver.stop, Stop::Paths(paths) if paths >= ENOUGH_PATHS);
-        if !by_paths || is_enough || scene.lighting.directed.is_empty() {
-            return;
-        }
-        let is_narrow = |one: &LobeReflection| match one.lobe() {
-            ReflectedLobe::Lobe(Lobe::KCorrelation { width }) => *width < NARROW,
-            ReflectedLobe::Lobe(Lobe::Lambertian) => false,
-            ReflectedLobe::Kernel(scatter) => scatter.width() < NARROW,
-        };
-        let reflects = |interface: &Interface| match interface {
-            Interface::Ready(Ready::Reflecting(diffuser)) => {
-                diffuser.reflections().iter().flatten().any(is_narrow)
-            }
-            _ => false,
-        };
-        if scene.display.layers.iter().any(|layer| reflects(&layer.interface)) {
-            self.warnings.push(format!(
-                "Monte Carlo, a lamp, and a diffuser whose narrow lobe reflects: few paths find the light that is scattered three times, and \
-                 the stated error may be several times too small; solver.method = \"adding\", or solver.paths = {ENOUGH_PATHS}"
-            ));
         }
     }
 }

@@ -367,26 +367,3 @@ fn thickness_at_a_port_has_an_effect() {
     };
     assert!(is_noted(&[]) && !is_noted(&["lighting.port_mm=4"]));
 }
-
-/// Three narrow lobes between lamp and viewer: a run of Monte Carlo to an error ends before it has met their light (seen over seeds, against adding).
-#[test]
-fn rare_light_of_narrow_reflections_is_warned_of() {
-    let film = "display.diffuser={ model = \"k-correlation\", haze = 0.3, total_transmittance = 0.92, \
-        reflection = { total_reflectance = 0.04, model = \"k-correlation\", haze = 0.3 } }";
-    let said = |sets: &[&str]| {
-        let all = warnings(Path::new(""), &[&[film], sets].concat());
-        all.iter().any(|warning| warning.contains("three times"))
-    };
-    assert!(said(&["solver.method=monte-carlo"]));
-    for other in [
-        &["solver.method=adding"][..],
-        &["solver.method=monte-carlo", "solver.paths=262144"],
-        &["solver.method=monte-carlo", "lighting.directed=[]", "lighting.diffuse=1"],
-        &[
-            "solver.method=monte-carlo",
-            "display.diffuser.reflection={ total_reflectance = 0.04, model = \"lambertian\" }",
-        ],
-    ] {
-        assert!(!said(other), "{other:?}");
-    }
-}

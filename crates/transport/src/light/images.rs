@@ -13,6 +13,7 @@ use papilio_optics::Beta;
 use super::field::{Light, Lit};
 use super::formula::{Formula, Polar};
 use super::pixels::{Pixels, rotated};
+use crate::light::GOLDEN_SECTION;
 use crate::light::cone_points::{Nodes, Point, cone_points, cone_points_of, smooth_at};
 use crate::numerics::quadrature::{Node, gauss};
 use crate::{Cone, Field, Source};
@@ -362,7 +363,7 @@ fn by_spiral(view: &Cone, field: &Field, fine: Fine) -> Vec<Point> {
     let whole = 2.0 * (0.5 * half).sin();
     for k in 0..count {
         // A sunflower spiral: uniform in solid angle.
-        let (along, turn) = ((k as f64 + 0.5) / count as f64, TAU * (k as f64 * GOLDEN).fract());
+        let (along, turn) = ((k as f64 + 0.5) / count as f64, TAU * (k as f64 * GOLDEN_SECTION).fract());
         let angle = 2.0 * (0.5 * along.sqrt() * whole).asin();
         let beta = view.around(angle, turn);
         parts.add(along.sqrt(), turn, beta, PI * field.radiance(beta) / count as f64);
@@ -387,9 +388,6 @@ const MOST_SEEDS: f64 = 2e6;
 
 /// Smallest number: fewer do not save time.
 const FEWEST_SEEDS: f64 = 4096.0;
-
-/// The golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Angle over which interfaces and films change.
 const SMOOTH: f64 = 0.3;
@@ -474,7 +472,7 @@ mod tests {
             };
             for k in 0..count {
                 let (along, turn) =
-                    ((f64::from(k) + 0.5) / f64::from(count), TAU * (f64::from(k) * GOLDEN).fract());
+                    ((f64::from(k) + 0.5) / f64::from(count), TAU * (f64::from(k) * GOLDEN_SECTION).fract());
                 let angle = 2.0 * (along.sqrt() * (0.5 * half).sin()).asin();
                 let beta = view.around(angle, turn);
                 moments(&mut truth, beta, PI * field.radiance(beta) / f64::from(count));

@@ -20,6 +20,9 @@ pub use pixels::Pixels;
 use polarised::Across;
 pub use polarised::Vibration;
 
+/// The golden section: multiples of it, modulo 1, are spread uniformly.
+pub(crate) const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
+
 /// A distant light source, in air.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {

@@ -223,3 +223,29 @@ fn largest_total_counts_what_leaves() {
     assert!(!below, "into glass the lobe transmits more");
     assert_close("sum", total, 0.954 * narrow.fraction_in_disc(0.0, 1.5) + 0.08, 1e-12);
 }
+
+/// Light of a lamp far from the view meets three narrow lobes: it changes its direction at one of them. Paths
+/// that do so at the first must be near the lamp's direction at once, or few of them carry most of this light.
+#[test]
+fn paths_find_light_of_three_narrow_lobes() {
+    let narrow = lobe(Some(0.02));
+    let film = || both(through(narrow, 0.9, 0.0), ReflectedLobe::Lobe(narrow), 0.05, 0.0);
+    let plain = || through(narrow, 0.9, 0.0);
+    let one = || stack([(film(), clear(1.5))], mirror(0.6));
+    let two = stack([(plain(), clear(1.5)), (film(), clear(1.5))], mirror(0.6));
+    let disc = Source::Disc(Cone::new(-45.0, 0.0, 3.0, 1.0));
+    let cases = [
+        ("one film, beam", one(), beam(-45.0, 0.0), 0.004),
+        ("one film, disc", one(), disc.clone(), 0.006),
+        ("two films, beam", two.clone(), beam(-45.0, 20.0), 0.08),
+        ("two films, disc", two, disc, 0.04),
+    ];
+    for (name, display, source, most) in everyday(2, cases) {
+        let (eye, sources) = (view(8.0), [source]);
+        let truth = rho(&estimate(3, &display, eye, &sources), 0);
+        assert_unbiased(name, truth, most, |seed| {
+            let runs = replicates_of(&display, eye, &sources, seed, 512, Sampler::Sobol);
+            mean_and_error(runs.iter().map(|run| rho(run, 0)))
+        });
+    }
+}

@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 use papilio_optics::lobe::Lobe;
 use papilio_optics::{Beta, Scatterer};
 
+use crate::light::GOLDEN_SECTION;
 use crate::walk::Strategy;
 use crate::walk::guide::{Guide, Peak};
 use crate::walk::strategy::DirectionSampler;
@@ -31,9 +32,6 @@ pub(super) enum First {
 /// and gives much information on a pixel whose reflectance varies with angle.
 pub(super) const SPLITS: usize = 8;
 
-/// The golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
 /// A guide, and the probability of passing the diffuser unscattered instead.
 #[derive(Debug)]
 pub(super) struct Guided {
@@ -47,7 +45,7 @@ impl Guided {
     pub(super) fn draw(&self, diffuser: &Diffuser, from: Beta, k: usize, u: [f64; 2]) -> (Beta, f64) {
         // The azimuths of the directions of a path are also spread.
         let k = (k % SPLITS) as f64;
-        let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN).fract());
+        let (u, v) = ((u[0] + k) / SPLITS as f64, (u[1] + k * GOLDEN_SECTION).fract());
         if u < self.straight {
             return (from, diffuser.regular_fraction / self.straight);
         }
@@ -185,8 +183,9 @@ fn points(source: &Source, width: f64) -> Vec<Beta> {
         Source::Field(field) => {
             // A rough sample of the directions of its light.
             let side = 1.0 / POINTS_OF_A_FIELD as f64;
-            let point =
-                |k: usize| field.sample([(k as f64 + 0.5) * side, ((k as f64 + 0.5) * GOLDEN).fract()]).0;
+            let point = |k: usize| {
+                field.sample([(k as f64 + 0.5) * side, ((k as f64 + 0.5) * GOLDEN_SECTION).fract()]).0
+            };
             (0..POINTS_OF_A_FIELD).map(point).collect()
         }
     }

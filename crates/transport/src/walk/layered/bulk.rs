@@ -364,7 +364,7 @@ impl<'a> Bulk<'a> {
                 };
                 let value = self.over_cosines(self.phase.at_cosine(cos), towards[2]);
                 let density = self.over_cosines(self.drawn(cos, towards, part, &lamps.about), towards[2]);
-                let weight = lamp.weight(Scattered { value, density, reverse: value }, f64::INFINITY);
+                let weight = lamp.weight(Scattered { value, density, reverse: value }, 0.0, f64::INFINITY);
                 gathered[k][way] += stay.scale * weight * (-rest / towards[2].abs()).exp();
             }
         }

@@ -23,11 +23,11 @@
 //! is followed by [`places`](super::places). The tracer without any closed form, which tests this one, is
 //! [`Plain`](super::Plain).
 
+mod aims;
 mod bulk;
 mod columns;
 mod controls;
 mod generation;
-mod halfway;
 mod ledger;
 mod light;
 mod orders;
@@ -117,6 +117,13 @@ struct OutgoingRay {
     /// Density with which the path chose its direction before, where the scatterer also relays light of
     /// the sources; otherwise infinite.
     rival: f64,
+    /// The part of `density` of the scatterer's own kernel; directions about sources have the rest.
+    own: f64,
+    /// True if `beta` was sampled about a source.
+    is_aimed: bool,
+    /// How much fainter its light is than light that was not sampled about sources, at least 1: near a source
+    /// other lobes show both as equally bright.
+    prominence: f64,
 }
 
 impl OutgoingRay {
@@ -128,11 +135,14 @@ impl OutgoingRay {
         back: f64::INFINITY,
         weight: 1.0,
         rival: f64::INFINITY,
+        own: f64::INFINITY,
+        is_aimed: false,
+        prominence: 1.0,
     };
 
     /// Light sampled in proportion to a reciprocal kernel.
     fn exactly(beta: Beta, ray: Ray, density: f64) -> Self {
-        Self { beta, ray, density, back: density, weight: 1.0, rival: f64::INFINITY }
+        Self { density, back: density, own: density, beta, ray, ..Self::UNSCATTERED }
     }
 }
 
@@ -163,7 +173,8 @@ impl<'a> Layered<'a> {
         let columns = Columns::new(stack);
         let horizons = Horizons::of(stack);
         let mut events = events(stack, horizons);
-        events.iter_mut().for_each(|event| event.aim_half_way(view, &sources));
+        let lobes = events.iter().filter(|event| event.has_one_side()).count();
+        events.iter_mut().for_each(|event| event.aim(view, &sources, lobes > 2));
         let base = columns.as_ref().map_or(stack.base(), |columns| &columns.base);
         // Light of two branches, and light and fields of what each source sends on.
         let interfaces = events.iter().filter(|event| matches!(event.kind, Kind::Interface(..))).count();
@@ -353,7 +364,7 @@ impl<'a> Layered<'a> {
         let Workspace { field, share, .. } = workspace;
         share.set(field, Ray::LEAVING, |_| 1.0);
         sums.received.leaving.add_share(light, share, &field.rising, 1.0);
-        if sent.density.is_finite() {
+        if sent.density.is_finite() && !sent.is_aimed {
             sources::meet_discs(&self.sources, sent, (light, share, &field.rising), sums);
         }
     }
@@ -362,8 +373,8 @@ impl<'a> Layered<'a> {
     /// others by roulette.
     ///
     /// The probability of a faint event is proportional to the largest fraction of any state's and
-    /// wavelength's light that takes part in it. In the first events it has a lower limit, so that weights
-    /// grow by a tenth at most.
+    /// wavelength's light that takes part in it, times the light's prominence. In the first events it has a
+    /// lower limit, so that weights grow by a tenth at most.
     fn arrive(
         &self,
         (sent, light): (OutgoingRay, &Light),
@@ -376,7 +387,7 @@ impl<'a> Layered<'a> {
         let (mut faint, mut count) = (0.0, 0.0);
         for (i, event) in self.events.iter().enumerate() {
             event.share(&workspace.skeleton, &workspace.field, &mut workspace.share);
-            let chance = light.largest(&workspace.share, &workspace.field.rising);
+            let chance = sent.prominence * light.largest(&workspace.share, &workspace.field.rising);
             workspace.chances[i] = chance;
             if chance > 0.0 && (chance < BRIGHT || most < 1.0) {
                 sums.unaccounted.add_share(light, &workspace.share, &workspace.field.rising, 1.0);

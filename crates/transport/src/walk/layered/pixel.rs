@@ -42,7 +42,7 @@ impl Pixel<'_> {
             let density = self.density(from, lamp.beta);
             self.weigh(&mut turned, |kernel| {
                 let value = self.value(kernel, from, lamp.beta);
-                lamp.weight(Scattered { value, density, reverse: density }, f64::INFINITY)
+                lamp.weight(Scattered { value, density, reverse: density }, 0.0, f64::INFINITY)
             });
             share.clear();
             lamp.reach(ray, |_| 1.0, share);

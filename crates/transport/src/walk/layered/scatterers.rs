@@ -6,8 +6,8 @@ use std::cell::RefCell;
 use papilio_optics::Beta;
 use papilio_sampling::warp;
 
+use super::aims::{ABOUT_SOURCES, Aims, FAR, HALF_WAY};
 use super::bulk::Bulk;
-use super::halfway::{HalfWay, mixed};
 use super::ledger::{Sums, Workspace};
 use super::light::Share;
 use super::{BRIGHT_SIDE, OutgoingRay, sources};
@@ -24,7 +24,9 @@ pub(super) struct ScatterEvent<'a> {
     pub(super) kind: Kind<'a>,
     /// Directions half way to sources: of light that it relays, and of light that the event of the way back
     /// relays.
-    half_way: [HalfWay; 2],
+    half_way: [Aims; 2],
+    /// Directions about sources, of paths that it scatters.
+    about_sources: Aims,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +42,7 @@ pub(super) enum Kind<'a> {
 
 impl<'a> ScatterEvent<'a> {
     fn new(element: usize, going: Propagation, kind: Kind<'a>) -> Self {
-        Self { element, going, kind, half_way: Default::default() }
+        Self { element, going, kind, half_way: Default::default(), about_sources: Default::default() }
     }
 
     /// The event that light meets on the way back; `None` unless light leaves an interface to one side.
@@ -50,11 +52,19 @@ impl<'a> ScatterEvent<'a> {
         Some(Self::new(self.element, leaves.reversed(), self.kind))
     }
 
-    /// Finds the directions half way between the view and the sources that it needs.
-    pub(super) fn aim_half_way(&mut self, view: Cone, sources: &[Source]) {
-        let of = |event: Self| HalfWay::of(&event, view, sources);
-        let both = self.way_back().and_then(|back| Some([back.way_back()?, back]));
-        self.half_way = both.map(|both| both.map(of)).unwrap_or_default();
+    /// Finds the directions that it also samples: half way between the view and the sources, and about the
+    /// sources if light can meet other lobes before or after two of this one.
+    pub(super) fn aim(&mut self, view: Cone, sources: &[Source], meets_many_lobes: bool) {
+        let Some(back) = self.way_back() else { return };
+        self.half_way = [&*self, &back].map(|event| Aims::half_way(event, view, sources));
+        if meets_many_lobes {
+            self.about_sources = Aims::about_sources(self, view, sources);
+        }
+    }
+
+    /// True if light leaves it to one side, as it does from a lobe.
+    pub(super) fn has_one_side(&self) -> bool {
+        self.way_back().is_some()
     }
 
     /// Density of sampling a direction from the kernel of an interface; `None` unless light leaves an
@@ -67,16 +77,25 @@ impl<'a> ScatterEvent<'a> {
 
     /// Samples the light of a source that an interface relays; `None` if it is absorbed.
     pub(super) fn relay(&self, beta: Beta, mut u: [f64; 4]) -> Option<OutgoingRay> {
+        let [half_way, _] = &self.half_way;
+        let mut middle = None;
+        if !half_way.is_empty() {
+            let is_half_way = u[0] < HALF_WAY;
+            u[0] = if is_half_way { u[0] / HALF_WAY } else { (u[0] - HALF_WAY) / (1.0 - HALF_WAY) };
+            middle = is_half_way.then(|| half_way.choose(&mut u[0])).flatten();
+        }
+        let (to, Scattered { value, density, reverse }) = self.sample(beta, middle, u)?;
+        let density = of_relay(density, half_way.density(|middle| self.density(middle, to.beta)));
+        Some(self.outgoing(to, Scattered { value, density, reverse }))
+    }
+
+    /// Samples light that an interface scatters, from its kernel for light of another direction if one is given;
+    /// `None` if it is absorbed.
+    fn sample(&self, beta: Beta, aim: Option<Beta>, u: [f64; 4]) -> Option<(Departure, Scattered)> {
         let Kind::Interface(interface, channel, _) = self.kind else { return None };
-        let middle = self.half_way[0].choose(&mut u[0]);
-        let (to, scattered) = interface.sample(self.arrival(middle.unwrap_or(beta), channel), u)?;
-        let scattered = match middle {
-            Some(_) => interface.scatter(self.arrival(beta, channel), to),
-            None => scattered,
-        };
-        let density =
-            mixed(scattered.density, self.half_way[0].density(|middle| self.density(middle, to.beta)));
-        Some(self.outgoing(to, Scattered { density, ..scattered }))
+        let Some(aim) = aim else { return interface.sample(self.arrival(beta, channel), u) };
+        let (to, _) = interface.sample(self.arrival(aim, channel), u)?;
+        Some((to, interface.scatter(self.arrival(beta, channel), to)))
     }
 
     /// Sets `share` to the fraction of light that arrives and is scattered.
@@ -96,14 +115,6 @@ impl<'a> ScatterEvent<'a> {
         }
         let parts = skeleton.element(self.element);
         share.set(field, ray, |bin| parts[bin].scattered[self.going as usize]);
-    }
-
-    /// Samples the light that an interface scatters, without connections to sources; `None` if it is
-    /// absorbed.
-    pub(super) fn send(&self, beta: Beta, u: [f64; 4]) -> Option<OutgoingRay> {
-        let Kind::Interface(interface, channel, _) = self.kind else { return None };
-        let (to, scattered) = interface.sample(self.arrival(beta, channel), u)?;
-        Some(self.outgoing(to, scattered))
     }
 
     /// Light that leaves in a sampled direction.
@@ -166,15 +177,19 @@ impl<'a> ScatterEvent<'a> {
         let rays = ways.iter().map(|going| Ray::from_element(self.element, *going));
         let from = self.arrival(sent.beta, channel);
         // The event of the way back relays light.
-        let half_way = self.half_way[1].density(|middle| self.way_back()?.density(middle, sent.beta));
-        let with_half_way =
-            |scattered: Scattered| Scattered { reverse: mixed(scattered.reverse, half_way), ..scattered };
+        let ([_, half_way], about) = (&self.half_way, &self.about_sources);
+        let relayed = half_way.density(|middle| self.way_back()?.density(middle, sent.beta));
+        let relayed =
+            |scattered: Scattered| Scattered { reverse: of_relay(scattered.reverse, relayed), ..scattered };
         let scattered =
-            |way: usize, beta| with_half_way(interface.scatter(from, Departure { beta, going: ways[way] }));
+            |way: usize, beta| relayed(interface.scatter(from, Departure { beta, going: ways[way] }));
+        let about_sources = |to| about.density(|aim| self.density(aim, to)).unwrap_or(0.0);
+        let is_far = !about.is_empty() && about.closeness(about_sources(sent.beta)) < FAR;
+        let further = |to| if is_far { ABOUT_SOURCES * about_sources(to) } else { 0.0 };
         // Light of a source that arrives has a direction that the medium there carries.
         let colours = ColoursAt::new(|to| interface.colours(from, to));
         let spread = |to, bin| self.spread_over(ways[0], bin) * colours.at(to, bin);
-        sources::connect(rays, sent.density, scattered, spread, sums, workspace);
+        sources::connect(rays, sent.density, (scattered, further), spread, sums, workspace);
         if let Some(sides) = interface.sample_sides(from, u) {
             let (brightest, directed) = (workspace.light.brightest(), workspace.lamps.directed);
             for (k, (side, probability)) in sides.into_iter().enumerate().filter(|(_, side)| side.1 > 0.0) {
@@ -199,15 +214,42 @@ impl<'a> ScatterEvent<'a> {
             }
             return;
         }
-        let Some(next) = self.send(sent.beta, u) else {
+        let next = |(to, scattered): (Departure, Scattered), is_aimed| {
+            let scattered = relayed(scattered);
+            let (own, rival) = (scattered.density, sent.density);
+            let density = own + further(to.beta);
+            let inherited = sent.prominence * about.closeness(about_sources(to.beta));
+            let prominence = if own > 0.0 { inherited.max(density / own) } else { 1.0 };
+            let outgoing = self.outgoing(to, Scattered { density, ..scattered });
+            OutgoingRay { own, rival, is_aimed, prominence, ..outgoing }
+        };
+        let kept = |next: OutgoingRay, colours: &Colours, bin| {
+            next.weight * self.carried(next, bin) * colours.at(bin)
+        };
+        if is_far && workspace.side_roulettes[2 * number].survives(ABOUT_SOURCES) {
+            let mut u = u;
+            let aim = about.choose(&mut u[0]);
+            if let Some(aimed) = self.sample(sent.beta, aim, u) {
+                let next = next(aimed, true);
+                let colours = interface.colours(from, next.beta);
+                let light = workspace.branch_part(next, |bin| kept(next, &colours, bin));
+                sums.absorbed.diffuser.add(light, -1.0);
+            }
+        }
+        let Some(own) = self.sample(sent.beta, None, u) else {
             workspace.light.keep(|_| 0.0, &mut sums.absorbed.diffuser);
             return;
         };
+        let next = next(own, false);
         let colours = interface.colours(from, next.beta);
-        let kept = |bin| next.weight * self.carried(next, bin) * colours.at(bin);
-        workspace.light.keep(kept, &mut sums.absorbed.diffuser);
-        workspace.branch(OutgoingRay { rival: sent.density, back: mixed(next.back, half_way), ..next });
+        workspace.light.keep(|bin| kept(next, &colours, bin), &mut sums.absorbed.diffuser);
+        workspace.branch(next);
     }
+}
+
+/// Density of a direction that a relay samples from its kernel or from half way.
+fn of_relay(own: f64, half_way: Option<f64>) -> f64 {
+    half_way.map_or(own, |half_way| (1.0 - HALF_WAY) * own + HALF_WAY * half_way)
 }
 
 /// Colours of light by its direction: those of the last direction are kept.
@@ -298,7 +340,7 @@ pub(super) fn at_lambertian_base(
     };
     let drawn = |to: Beta| emitted_density(horizons, largest, to);
     let scattered = |_, to: Beta| Scattered { value: density, density: drawn(to), reverse: density };
-    sources::connect([ray].into_iter(), f64::INFINITY, scattered, spread, sums, workspace);
+    sources::connect([ray].into_iter(), f64::INFINITY, (scattered, |_| 0.0), spread, sums, workspace);
 
     let (within, brightest) = (largest.powi(-2), workspace.light.brightest());
     let in_two = brightest * within.min(1.0 - within) >= BRIGHT_SIDE;

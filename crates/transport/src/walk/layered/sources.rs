@@ -8,7 +8,7 @@
 //! the light of the source, once per path, in a direction sampled from its own kernel; events connect to the
 //! relayed light in the same way. A direction that both the path and the interface may sample is weighted by
 //! the balance heuristic ([`SourceLight::weight`]). Some directions are sampled from its kernel for other
-//! light ([`halfway`](super::halfway)).
+//! light ([`aims`](super::aims)).
 
 use papilio_optics::Beta;
 
@@ -211,12 +211,15 @@ impl SourceLight {
 
     /// Weight of a connection, by the balance heuristic. `rival` is the density with which the path chose its
     /// direction before the event, where the event may also relay light of the source; otherwise infinite.
+    /// `about_sources` is the density of directions that the path samples about sources, which meet relayed light
+    /// at other scatterers; their chance hits of discs are not counted.
     #[inline]
-    pub(super) fn weight(&self, scattered: Scattered, rival: f64) -> f64 {
+    pub(super) fn weight(&self, scattered: Scattered, about_sources: f64, rival: f64) -> f64 {
         let Scattered { value, density, reverse } = scattered;
         match self.drawn {
             None => self.target.balanced(value, || density, reverse / rival),
-            Some([drawn, back]) if density > 0.0 => {
+            Some([drawn, back]) if density + about_sources > 0.0 => {
+                let density = density + about_sources;
                 value / density * self.target.balanced(drawn, || back, drawn / density)
             }
             Some(_) => 0.0,
@@ -271,12 +274,12 @@ impl Relay {
 
 /// Connects the path's light to all sources at a scattering event.
 ///
-/// `ways` are the rays on which light can leave the event; `scattered(way, beta)` are its densities, and
-/// `factor(beta, bin)` is what depends on wavelength.
+/// `ways` are the rays on which light can leave the event; `scattered(way, beta)` are its densities,
+/// `about_sources(beta)` is that of further directions, and `factor(beta, bin)` is what depends on wavelength.
 pub(super) fn connect(
     ways: impl Iterator<Item = Ray> + Clone,
     rival: f64,
-    scattered: impl Fn(usize, Beta) -> Scattered,
+    (scattered, about_sources): (impl Fn(usize, Beta) -> Scattered, impl Fn(Beta) -> f64),
     factor: impl Fn(Beta, usize) -> f64,
     sums: &mut Sums,
     workspace: &mut Workspace,
@@ -284,8 +287,9 @@ pub(super) fn connect(
     let Workspace { light, share, lamps, .. } = workspace;
     for lamp in lamps.now().iter() {
         share.clear();
+        let about_sources = if lamp.drawn.is_some() { about_sources(lamp.beta) } else { 0.0 };
         for (way, ray) in ways.clone().enumerate() {
-            let weight = lamp.weight(scattered(way, lamp.beta), rival);
+            let weight = lamp.weight(scattered(way, lamp.beta), about_sources, rival);
             lamp.reach(ray, |bin| weight * factor(lamp.beta, bin), share);
         }
         lamp.add(light, share, sums);
@@ -302,7 +306,7 @@ pub(super) fn meet_discs(
     for (source, sum) in sources.iter().zip(&mut sums.received.from_source) {
         if let Some(target) = Target::at(source, sent.beta) {
             let back = if sent.rival.is_finite() { sent.back } else { 0.0 };
-            let weight = target.balanced(sent.density, || sent.density, back / sent.rival);
+            let weight = target.balanced(sent.density, || sent.own, back / sent.rival);
             sum.add_share(light, share, rising, weight);
         }
     }
