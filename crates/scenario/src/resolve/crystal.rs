@@ -261,6 +261,9 @@ impl Resolver<'_> {
 
     fn retarder(&mut self, retarder: &describe::Retarder) -> Option<CrystalPart> {
         let plate = retarder.plate.value;
+        if plate == Plate::C && retarder.axis_deg.is_some() {
+            self.without_effect(retarder.axis_deg.origin, "axis_deg", "the axis of a C plate is the normal");
+        }
         let axis_deg = match (&retarder.axis_deg.value, plate) {
             (Some(axis), _) => self.degrees(axis.0, retarder.axis_deg.origin, "axis_deg"),
             (None, Plate::C) => Some(0.0),
@@ -327,6 +330,11 @@ impl Resolver<'_> {
         let thickness_nm = 1e3 * cell.gap_um.0;
         let (rub_deg, usual) = (rub_deg?, (pretilt_deg?, twist_deg?));
         let nematic = self.nematic(cell)?;
+        let is_driven = |state: &Item<CellState>| matches!(&state.value.value, CellState::Uniform(own) if own.volts.is_some());
+        if cell.pretilt_bottom_deg.is_some() && !cell.states.0.iter().any(is_driven) {
+            let why = "it is for states by voltage, and no state of this cell has `volts`";
+            self.without_effect(cell.pretilt_bottom_deg.origin, "pretilt_bottom_deg", why);
+        }
         let birefringence = indices
             .iter()
             .map(|[o, e]| o.iter().zip(e).map(|(o, e)| (e.re - o.re).abs()).fold(0.0, f64::max));

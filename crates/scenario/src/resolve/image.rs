@@ -97,6 +97,21 @@ impl Resolver<'_> {
             // Who chooses how errors are passed on gets the pattern of just that.
             settings.halftone = Halftone::ErrorDiffusion;
         }
+        let passes_nothing_on = matches!(
+            image.halftone.0,
+            Halftone::None | Halftone::Nearest | Halftone::Ordered | Halftone::VoidAndCluster
+        );
+        let of_diffusion = |origin| is_given(image.halftone.origin) && passes_nothing_on && is_given(origin);
+        for (key, is_idle, why) in [
+            ("kernel", of_diffusion(image.kernel.origin), "this halftone passes on no errors"),
+            ("scan", of_diffusion(image.scan.origin), "this halftone passes on no errors"),
+            ("text_size_pt", image.text_size_pt.is_some() && image.text.is_none(), "there is no `text`"),
+            ("period_mm", image.period_mm.is_some() && image.pattern.is_none(), "there is no `pattern`"),
+        ] {
+            if is_idle {
+                self.warnings.push(format!("image.{key} has no effect: {why}"));
+            }
+        }
         Some(ImageRequest { source, settings, codes })
     }
 }

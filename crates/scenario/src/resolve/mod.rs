@@ -384,6 +384,12 @@ impl Resolver<'_> {
         self.errors.push(at.origin, mistake);
     }
 
+    /// Warns of a key that does not matter beside the others of its table.
+    fn without_effect(&mut self, origin: Origin, key: &str, why: &str) {
+        let path = self.sources.path(origin).filter(|path| path.ends_with(key));
+        self.warnings.push(format!("{} has no effect: {why}", path.as_deref().unwrap_or(key)));
+    }
+
     fn solver(&mut self, solver: &Solver) -> Option<scene::Solver> {
         let stop = self.stop(solver)?;
         let unrefracted = solver.approximation.value == solver::Approximation::Unrefracted;

@@ -202,6 +202,30 @@ fn fringes_that_nothing_resolves_are_refused_or_noted() {
     assert!(noted.notes.iter().any(|note| note.contains("fringes in a step of 50 nm")), "{:?}", noted.notes);
 }
 
+/// Keys that do not matter for their layer are named with their path; the layer is the same.
+#[test]
+fn keys_without_effect_have_a_warning() {
+    for (from, to, warning) in [
+        (
+            "plate = \"C\", retardance_nm",
+            "plate = \"C\", axis_deg = 30, retardance_nm",
+            "display.pixel.stack.2.axis_deg has no effect: the axis of a C plate is the normal",
+        ),
+        (
+            "pretilt_deg = 2",
+            "pretilt_deg = 2, pretilt_bottom_deg = 4",
+            "stack.7.pretilt_bottom_deg has no effect",
+        ),
+    ] {
+        let text = GOOD.replacen(from, to, 1);
+        let resolved = resolve(&text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        let warnings = &resolved.warnings;
+        assert!(warnings.iter().any(|one| one.contains(warning)), "{warning}: {warnings:?}");
+        let without = resolve(GOOD, Path::new(""), &[]).unwrap();
+        assert!(!without.warnings.iter().any(|one| one.contains("no effect")), "{:?}", without.warnings);
+    }
+}
+
 #[test]
 fn mistakes_are_explained() {
     for (from, to, expected) in [

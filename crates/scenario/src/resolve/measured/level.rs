@@ -34,6 +34,10 @@ impl Resolver<'_> {
             return None;
         }
         let key = &diffuser.total_transmittance;
+        if shape.is_none() && key.is_none() && diffuser.spectral_mean.value == SpectralMean::Luminous {
+            let why = "it is for the spectrum of `transmission` or `total_transmittance`";
+            self.without_effect(diffuser.spectral_mean.origin, "spectral_mean", why);
+        }
         let Some(share) = &key.value else { return Some((shape, None)) };
         if diffuser.normalise.value == Normalise::Tis {
             self.err(key, mistake::not_with("total_transmittance", "normalise = \"tis\""));
