@@ -32,6 +32,7 @@ pub(super) fn tolerance_report(title: &str, production: &Production, found: &Rep
         }
         text.push('\n');
         text.push_str(&sensitivities);
+        text.push_str(&constant(found));
     }
     if !found.worst.is_empty() {
         text.push_str(
@@ -114,6 +115,18 @@ fn sensitivities(found: &Report) -> Vec<Vec<String>> {
         rows.push([label(&metric.name).to_string()].into_iter().chain(cells).collect());
     }
     rows
+}
+
+/// A line with the metrics that do not vary and have no indices; empty if there is none.
+fn constant(found: &Report) -> String {
+    let is_constant = |one: &&MetricReport| one.spread.as_ref().is_some_and(|spread| !spread.varies());
+    let names: Vec<String> =
+        found.metrics.iter().filter(is_constant).map(|one| label(&one.name).to_string()).collect();
+    match names.len() {
+        0 => String::new(),
+        1 => format!("does not vary, so no key has a part in it: {}\n", names[0]),
+        _ => format!("do not vary, so no key has a part in them: {}\n", names.join(", ")),
+    }
 }
 
 /// Both indices in %, each with its standard error in units of the last digit. They have the same number of

@@ -125,6 +125,42 @@ fn terminal_shows_yield_and_reasons() {
     assert_eq!(stdout(&again), text);
 }
 
+/// A grey has a* of 0 but for rounding, which no key causes: no indices, and a line that says so.
+#[test]
+fn metric_that_does_not_vary_has_no_indices() {
+    let text = r#"
+title = "Grey"
+[display.pixel]
+model = "uniform"
+kind = "lambertian"
+reflectance = { white = 0.8, black = 0.1 }
+[lighting]
+preset = "office"
+[tolerance]
+samples = 64
+sensitivity_samples = 32
+metrics = ["white.Y", "white.a_star", "black.Y"]
+[[tolerance.keys]]
+key = "display.pixel.reflectance.white"
+normal = { sigma = 0.02 }
+[[tolerance.keys]]
+key = "lighting.illuminance_lx"
+normal = { sigma = 20 }
+"#;
+    let (_folder, file, out) = place(text);
+    let said = stdout(&papilio(&["tolerance", &file, "--out", &out]));
+    let line = "do not vary, so no key has a part in them: CIELAB a* of white, Luminance factor Y of black";
+    assert!(said.contains(line), "{said}");
+    let output = papilio(&["tolerance", &file, "--out", &out, "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let metrics = &report["metrics"];
+    assert!(metrics[0]["indices"][0]["first"]["value"].as_f64().unwrap() > 0.99, "{metrics}");
+    for metric in [1, 2] {
+        let of = &metrics[metric];
+        assert_eq!((&of["indices"], &of["surrogate"]), (&serde_json::json!([null, null]), &Value::Null));
+    }
+}
+
 /// An analysis that is killed and resumed, on one thread or on three, ends in the same bytes.
 #[test]
 fn resumed_analysis_equals_an_uninterrupted_one() {

@@ -30,6 +30,15 @@ impl Estimate {
     }
 }
 
+/// Largest standard deviation, relative to the size of a metric or to 1, that rounding errors may cause.
+const ROUNDING: f64 = 1e-10;
+
+/// Returns whether a metric does not vary: rounding errors may cause its variance. Some, such as a* of a grey, are differences of
+/// numbers of the order of 1, and 0 but for rounding.
+pub(super) fn is_rounding(centre: f64, variance: f64) -> bool {
+    variance <= (ROUNDING * centre.abs().max(1.0)).powi(2)
+}
+
 /// Sums over the rows of each replicate.
 pub(super) struct Sums<const N: usize>([[f64; N]; REPLICATES]);
 

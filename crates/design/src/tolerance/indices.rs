@@ -26,7 +26,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::consistent::consistent;
-use super::estimate::{Estimate, Sums};
+use super::estimate::{Estimate, Sums, is_rounding};
 use super::plan::{Draw, Plan, replicate};
 use super::surrogate::{Basis, Fits, Term, Workspace};
 
@@ -56,7 +56,7 @@ pub struct Samples {
 pub struct Sensitivities {
     /// Indices of each group of keys; `None` if the metric does not vary.
     pub indices: Vec<Option<Indices>>,
-    /// Polynomial fit that they are based on; `None` if there is none.
+    /// Polynomial fit that they are based on; `None` if there is none, or the metric does not vary.
     pub surrogate: Option<Surrogate>,
 }
 
@@ -96,9 +96,10 @@ impl Sensitivities {
                     fit.as_ref().map(|fit| GroupFit { basis: &basis, fit, keys: &plan.groups()[group] });
                 samples.indices(group, fit.map(|fit| (fit, &fitted.0[metric])))
             };
-            let surrogate =
-                fit.as_ref().map(|fit| Surrogate { terms: fit.terms(), unexplained: fit.unexplained });
-            Self { indices: consistent((0..groups).map(group_indices).collect()), surrogate }
+            let indices: Vec<Option<Indices>> = (0..groups).map(group_indices).collect();
+            let fit = fit.as_ref().filter(|_| indices.iter().any(Option::is_some));
+            let surrogate = fit.map(|fit| Surrogate { terms: fit.terms(), unexplained: fit.unexplained });
+            Self { indices: consistent(indices), surrogate }
         });
         each.collect()
     }
@@ -192,9 +193,7 @@ impl Samples {
         let centre = known.iter().map(|(_, [a, b, _])| 0.5 * (a + b)).sum::<f64>() / known.len() as f64;
         let plain =
             Estimators(Sums::of(known.iter().map(|(row, values)| (replicate(*row), terms(*values, centre)))));
-        // A smaller variance is a rounding error of a metric that does not vary.
-        let least = 1e-20 * (centre * centre + plain.variance(None));
-        if known.is_empty() || plain.variance(None) <= least {
+        if known.is_empty() || is_rounding(centre, plain.variance(None)) {
             return None;
         }
         let controlled = fitted.map(|(fit, fitted)| {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::estimate::{Estimate, Sums};
+use super::estimate::{Estimate, Sums, is_rounding};
 use super::plan::replicate;
 
 /// Percentiles that are reported.
@@ -53,6 +53,11 @@ impl MetricDistribution {
             range: [first, last],
             percentiles: percentiles(&sorted),
         })
+    }
+
+    /// Returns whether the metric varies by more than rounding errors.
+    pub fn varies(&self) -> bool {
+        !is_rounding(self.mean.value, self.deviation.value.powi(2))
     }
 }
 
@@ -108,5 +113,20 @@ mod tests {
         let spread = MetricDistribution::of(&values).unwrap();
         assert_eq!((spread.undefined, spread.mean.value, spread.deviation.value), (1, 1e9 + 1.0, 0.0));
         assert!(MetricDistribution::of(&[f64::NAN; 50]).is_none());
+    }
+
+    /// Noise of the last digits, of any size of the metric, is no variation; a millionth is.
+    #[test]
+    fn rounding_errors_are_no_variation() {
+        for (mean, deviation, varies) in [
+            (0.0, 1e-14, false),
+            (0.0, 1e-6, true),
+            (0.3, 1e-17, false),
+            (4e9, 1e-2, false),
+            (4e9, 10.0, true),
+        ] {
+            let values: Vec<f64> = (0..64).map(|row| mean + deviation * f64::from(row % 4)).collect();
+            assert_eq!(MetricDistribution::of(&values).unwrap().varies(), varies, "{mean} {deviation}");
+        }
     }
 }
