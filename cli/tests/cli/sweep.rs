@@ -132,6 +132,24 @@ fn views_are_an_axis_of_the_figures() {
     }
 }
 
+/// Steps that do not reach the end of a range are noted, and the values end before it.
+#[test]
+fn range_that_its_steps_do_not_reach_is_noted() {
+    let (_folder, file, out) = place(SCENARIO);
+    let swept = |values: &str| {
+        let axis = format!("display.diffuser.haze={values}");
+        let output = papilio(&["sweep", &file, "--out", &out, "--axis", &axis, "--columns", "white.Y"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let table = fs::read_to_string(Path::new(&out).join("sweep.csv")).unwrap();
+        (table.lines().count() - 1, stderr(&output))
+    };
+    let (points, said) = swept("0.3:0.8:0.2");
+    let note = "note: display.diffuser.haze: steps of 0.2 from 0.3 end at 0.7, before 0.8";
+    assert!(points == 3 && said.contains(note), "{points}: {said}");
+    let (points, said) = swept("0.3:0.8:0.1");
+    assert!(points == 6 && !said.contains("before"), "{points}: {said}");
+}
+
 /// `--columns` chooses the columns of the table, and rows of views where no column is of a state. The journal
 /// has all results.
 #[test]

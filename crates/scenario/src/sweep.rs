@@ -62,14 +62,10 @@ impl Sweep {
         let title = assembled.get("title").and_then(|title| String::read(title, &mut Errors::default()));
         let sound = read.filter(|read| is_sound(read, &mut errors));
         let read = errors.finish(sound, &base.sources)?;
-        Ok(Self {
-            notes: base.notes()?,
-            base,
-            axes: read.axes.value.into_iter().map(|axis| axis.value).collect(),
-            figures: read.figures.value,
-            metrics: read.metrics.value,
-            title,
-        })
+        let axes: Vec<Axis> = read.axes.value.into_iter().map(|axis| axis.value).collect();
+        let mut notes = base.notes()?;
+        notes.extend(axes.iter().flat_map(|axis| &axis.0).filter_map(|swept| swept.note.clone()));
+        Ok(Self { notes, base, axes, figures: read.figures.value, metrics: read.metrics.value, title })
     }
 
     /// The override that sets an axis, `KEY=VALUES`: `FROM:TO:STEP`, or values with commas between them. All

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, number};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Serialize, Serializer};
 
@@ -66,6 +66,8 @@ pub(crate) struct Swept {
     pub(crate) origin: Origin,
     /// One value for each point of the axis, with its place.
     pub(crate) values: Vec<Node>,
+    /// A note on a range whose steps do not reach its end.
+    pub(crate) note: Option<String>,
 }
 
 /// Largest number of points of an axis, and of a sweep.
@@ -130,8 +132,8 @@ impl Read for Axis {
 fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors) -> Option<()> {
     let path = joined(above, &entry.key);
     let origin = entry.key_origin;
-    let values = match &entry.node.value {
-        Value::Array(items) => items.clone(),
+    let (values, ends) = match &entry.node.value {
+        Value::Array(items) => (items.clone(), None),
         Value::Text(text) if range(text).is_some() => text_range(&entry.node, text, errors)?,
         Value::Table(_) if entry.node.get("from").is_some() => range_values(&entry.node, errors)?,
         Value::Table(entries) if !entries.is_empty() => {
@@ -145,14 +147,16 @@ fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut 
     };
     let path = KeyPath::new(&path);
     if path.first() == "sweep" {
-        errors.push(origin, Diagnostic::new("keys of `[sweep]` cannot be swept"));
+        let wrong = Diagnostic::new("keys of `[sweep]` cannot be swept");
+        errors.push(origin, wrong.expected("a key of the display, the light, the viewer or the solver"));
         return None;
     }
     if values.is_empty() {
         errors.push(entry.node.origin, mistake::empty_list());
         return None;
     }
-    swept.push(Swept { path, origin, values });
+    let note = ends.map(|ends| format!("{path}: {ends}"));
+    swept.push(Swept { path, origin, values, note });
     Some(())
 }
 
@@ -162,8 +166,8 @@ pub(crate) fn range(text: &str) -> Option<Vec<f64>> {
     numbers.filter(|numbers| numbers.len() > 1)
 }
 
-/// Returns the values of a range `FROM:TO:STEP`.
-fn text_range(node: &Node, text: &str, errors: &mut Errors) -> Option<Vec<Node>> {
+/// Returns the values of a range `FROM:TO:STEP`, and where they end if that is before its end.
+fn text_range(node: &Node, text: &str, errors: &mut Errors) -> Option<(Vec<Node>, Option<String>)> {
     let Some(Ok([from, to, step])) = range(text).map(<[f64; 3]>::try_from) else {
         let wrong =
             Diagnostic::new(format!("`{text}` is not a range")).expected("FROM:TO:STEP, such as 190:194:1");
@@ -182,8 +186,8 @@ fn text_range(node: &Node, text: &str, errors: &mut Errors) -> Option<Vec<Node>>
 /// Names that are given to the number of values in other programs.
 const NOT_COUNT: [&str; 6] = ["steps", "points", "num", "number", "n", "samples"];
 
-/// Returns the values of a range.
-fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
+/// Returns the values of a range, and where they end if that is before its end.
+fn range_values(node: &Node, errors: &mut Errors) -> Option<(Vec<Node>, Option<String>)> {
     if let Value::Table(entries) = &node.value
         && let Some(entry) = entries.iter().find(|entry| NOT_COUNT.contains(&entry.key.as_str()))
     {
@@ -195,6 +199,7 @@ fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
     }
     let range = Range::read(node, errors)?;
     let (from, to) = (range.from.0, range.to.0);
+    let mut ends = None;
     let steps = match (range.step.value, range.count.value) {
         (Some(step), None) => {
             let steps = (to - from) / step.0;
@@ -202,12 +207,20 @@ fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
                 let wrong = Diagnostic::new(format!("steps of {} do not lead from {from} to {to}", step.0));
                 errors.push(
                     range.step.origin,
-                    wrong.hint("give `count` instead, or change the sign of the step"),
+                    wrong
+                        .expected("a step other than 0, towards the end")
+                        .hint("give `count` instead, or change the sign of the step"),
                 );
                 return None;
             }
             // Rounding errors must not remove the last value.
-            Steps { each: step.0, count: (steps + 1e-9).floor() }
+            let count = (steps + ROUNDING).floor();
+            if steps - count > ROUNDING {
+                let [each, from, last, to] =
+                    [step.0, from, from + step.0 * count, to].map(|x| number(tidy(x)));
+                ends = Some(format!("steps of {each} from {from} end at {last}, before {to}"));
+            }
+            Steps { each: step.0, count }
         }
         (None, Some(count)) => {
             let count = (count.0 - 1) as f64;
@@ -225,8 +238,11 @@ fn range_values(node: &Node, errors: &mut Errors) -> Option<Vec<Node>> {
     }
     let value =
         |i: usize| Node { origin: node.origin, value: Value::Float(tidy(from + steps.each * i as f64)) };
-    Some((0..=steps.count as usize).map(value).collect())
+    Some(((0..=steps.count as usize).map(value).collect(), ends))
 }
+
+/// Part of a step that rounding errors may cause.
+const ROUNDING: f64 = 1e-9;
 
 /// Steps between the values of a range.
 struct Steps {
