@@ -21,7 +21,7 @@ use papilio_scenario::{Resolved, Scenario};
 use crate::arguments::{ALL_STATES, Brdf, BrdfFormat};
 use crate::progress::Computation;
 use crate::saved::SavedTable;
-use crate::{Failure, folder, input, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, folder, input, interrupt, output, print_notes, print_warnings, report};
 
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
@@ -80,11 +80,8 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     folder.print_written(&names);
     print_notes(&resolved.notes);
     print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
-    resolved
-        .warnings
-        .iter()
-        .chain(&table_warnings(arguments, &resolved.scene, &table, &probes)?)
-        .for_each(|warning| print_message(&format!("warning: {warning}")));
+    print_warnings(&resolved.warnings);
+    print_warnings(&table_warnings(arguments, &resolved.scene, &table, &probes)?);
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use papilio_display::{Control, expected_bytes, expected_map_bytes, expected_seco
 use papilio_scenario::{Fit, FitTarget, Resolved, Scenario};
 
 use crate::long_work::{Expected, thread_count};
-use crate::{Failure, input, interrupt};
+use crate::{Failure, input, interrupt, print_warnings};
 
 /// A design of which the film alone changes, s: `papilio optimize scenarios/optimize.toml --threads 1 --no-check --set
 /// optimize.method=global --set optimize.evaluations=4000` takes 3.0 s.
@@ -49,9 +49,11 @@ const OF_INTERVALS: f64 = 140.0;
 /// states and 41 wavelengths, takes 550 MB.
 const CRYSTAL_BYTES: f64 = 2.5e6;
 
-/// The scenario of a file with its own values.
+/// The scenario of a file with its own values, whose warnings are printed: those of the studies of a scenario.
 pub(crate) fn own(file: &Path, set: &[String]) -> Result<Resolved, Failure> {
-    Ok(input::scenario::<Scenario>(file, set)?.resolve()?)
+    let own = input::scenario::<Scenario>(file, set)?.resolve()?;
+    print_warnings(&own.warnings);
+    Ok(own)
 }
 
 /// Checks a number of evaluations of a scenario before they are computed: their number, what they are and the keys

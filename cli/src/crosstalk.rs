@@ -46,8 +46,8 @@ impl SpatialOutput for CrosstalkResult {
         papilio_display::note_of_places(&resolved.scene).into_iter().collect()
     }
 
-    fn warnings(&self) -> &[String] {
-        &self.warnings
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.warnings
     }
 }
 

@@ -64,7 +64,7 @@ impl SpatialOutput for GlossResult {
         Vec::new()
     }
 
-    fn warnings(&self) -> &[String] {
-        &self.warnings
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.warnings
     }
 }

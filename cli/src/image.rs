@@ -264,8 +264,8 @@ impl SpatialOutput for ImageOutput {
         papilio_display::note_of_places(&resolved.scene).into_iter().collect()
     }
 
-    fn warnings(&self) -> &[String] {
-        &self.here.numbers.warnings
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.here.numbers.warnings
     }
 }
 

@@ -68,7 +68,7 @@ use failure::Failure;
 use papilio_diagnostics::nearest;
 use papilio_formats::report::numbers;
 use papilio_formats::words::visible;
-use terminal::{print_message, print_notes};
+use terminal::{print_message, print_notes, print_warnings};
 
 /// Declares the commands: what `papilio --help` says of each, its arguments and the function that runs it.
 macro_rules! commands {

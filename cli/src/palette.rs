@@ -127,8 +127,8 @@ impl SpatialOutput for PaletteOutput {
         papilio_figures::of_palette(&self.result, title)
     }
 
-    fn warnings(&self) -> &[String] {
-        &self.result.warnings
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.result.warnings
     }
 }
 

@@ -13,7 +13,7 @@ use papilio_formats::{PixelTable, write_absorption, write_file, write_json, writ
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, input, interrupt, print_notes, report};
+use crate::{Failure, folder, input, interrupt, print_notes, print_warnings, report};
 
 /// Default steps of the angles, in degrees.
 const STEP_DEG: f64 = 1.0;
@@ -32,6 +32,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
         .resolve_without_light()?;
     print_notes(&resolved.notes);
+    print_warnings(&resolved.warnings);
     print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
     let mut scene = resolved.scene.clone();
     match arguments.angles {

@@ -16,7 +16,9 @@ use crate::folder::ResultFolder;
 use crate::long_work::Expected;
 use crate::progress::{Computation, with_progress};
 use crate::saved::SavedTable;
-use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, report};
+use crate::{
+    Failure, costs, folder, input, interrupt, output, print_message, print_notes, print_warnings, report,
+};
 
 /// Fractions of the progress that are the views and their cone, about.
 const PARTS: [f64; 2] = [0.2, 0.8];
@@ -57,7 +59,7 @@ pub(crate) fn run(arguments: &Run) -> Result<(), Failure> {
     }
     drop(computation);
     let cone_seconds = started.elapsed().as_secs_f64();
-    result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+    resolved.warn_before(&mut result.warnings);
     result.notes.splice(0..0, resolved.notes.iter().cloned());
     let file = ResultFile {
         papilio: env!("CARGO_PKG_VERSION"),
@@ -175,7 +177,7 @@ fn print_messages(folder: Option<&ResultFolder>, written: Option<Vec<String>>, r
         folder.print_written(&names);
     }
     print_notes(&result.notes);
-    result.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
+    print_warnings(&result.warnings);
 }
 
 fn resolve(arguments: &Run) -> Result<Resolved, Failure> {

@@ -51,8 +51,8 @@ impl SpatialOutput for SparkleResult {
         papilio_figures::of_sparkle(self, title)
     }
 
-    fn warnings(&self) -> &[String] {
-        &self.warnings
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.warnings
     }
 }
 

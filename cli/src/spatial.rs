@@ -13,7 +13,9 @@ use serde::Serialize;
 use crate::arguments::SpatialCommand;
 use crate::folder::ResultFolder;
 use crate::progress::with_progress;
-use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, report, terminal};
+use crate::{
+    Failure, costs, folder, input, interrupt, output, print_notes, print_warnings, report, terminal,
+};
 
 /// A result with places.
 pub(crate) trait SpatialOutput {
@@ -34,14 +36,13 @@ pub(crate) trait SpatialOutput {
     /// Names and SVG texts of the figures.
     fn figures(&self, title: &str) -> Vec<(String, String)>;
 
-    /// Warnings of the computation.
+    /// Notes on the computation.
     fn notes(&self, _: &Resolved) -> Vec<String> {
         Vec::new()
     }
 
-    fn warnings(&self) -> &[String] {
-        &[]
-    }
+    /// Warnings of the result, which its JSON file has: first those of the scenario.
+    fn warnings(&mut self) -> &mut Vec<String>;
 }
 
 /// The content of a JSON file that has the scenario.
@@ -60,7 +61,7 @@ pub(crate) fn show<R: SpatialOutput>(
     resolved: &Resolved,
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
 ) -> Result<(), Failure> {
-    let (result, folder) = computed(arguments, resolved, compute)?;
+    let (mut result, folder) = computed(arguments, resolved, compute)?;
     let title = title(arguments, resolved);
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
@@ -75,8 +76,7 @@ pub(crate) fn show<R: SpatialOutput>(
     }
     print_notes(&resolved.notes);
     print_notes(&result.notes(resolved));
-    let warnings = resolved.warnings.iter().chain(result.warnings());
-    warnings.for_each(|warning| print_message(&format!("warning: {warning}")));
+    print_warnings(result.warnings());
     Ok(())
 }
 
@@ -95,7 +95,7 @@ pub(crate) fn compute_files<R: SpatialOutput>(
 }
 
 /// Computes a result; the folder for its files is checked before.
-fn computed<R>(
+fn computed<R: SpatialOutput>(
     arguments: &SpatialCommand,
     resolved: &Resolved,
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
@@ -106,7 +106,9 @@ fn computed<R>(
     let folder = arguments.folder(resolved)?;
     costs::check_paths(resolved, None, (1.0, "solver.paths"), arguments.workers.threads)?;
     let result = with_progress(resolved, arguments.workers.threads, compute)?;
-    Ok((result.ok_or(Failure::Interrupted("no file was written"))?, folder))
+    let mut result = result.ok_or(Failure::Interrupted("no file was written"))?;
+    resolved.warn_before(result.warnings());
+    Ok((result, folder))
 }
 
 /// Title of a scenario, or the name of its file.

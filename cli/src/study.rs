@@ -13,7 +13,10 @@ use papilio_scenario::Scenario;
 
 use crate::arguments::Study;
 use crate::progress::with_progress;
-use crate::{Failure, costs, folder, input, interrupt, numbers, output, print_message, print_notes, report};
+use crate::{
+    Failure, costs, folder, input, interrupt, numbers, output, print_message, print_notes, print_warnings,
+    report,
+};
 
 /// Smallest number of paths: 16 for each replicate.
 const FIRST: u64 = 512;
@@ -28,6 +31,7 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     let resolved =
         input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?.resolve()?;
     print_notes(&resolved.notes);
+    print_warnings(&resolved.warnings);
     let [first, last] = [FIRST, arguments.paths];
     print_message(&format!(
         "note: the study traces {first} to {last} paths (--paths) whatever solver.relative_error is"

@@ -4,6 +4,7 @@
 //! are escaped, so that a terminal does not execute them. In JSON the escape sequence means the same
 //! character.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -52,6 +53,20 @@ pub(crate) fn print_message(text: &dyn std::fmt::Display) {
 /// Prints notes on standard error.
 pub(crate) fn print_notes(notes: &[String]) {
     notes.iter().for_each(|note| print_message(&format!("note: {note}")));
+}
+
+/// Prints warnings of a number of results, each once with how many of them it concerns.
+pub(crate) fn print_counted<'a>(warnings: impl Iterator<Item = &'a str>, all: usize, what: &str) {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    warnings.for_each(|warning| *counts.entry(warning).or_default() += 1);
+    for (warning, count) in counts {
+        print_message(&format!("warning: at {count} of {all} {what}: {warning}"));
+    }
+}
+
+/// Prints warnings on standard error.
+pub(crate) fn print_warnings(warnings: &[String]) {
+    warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
 }
 
 /// A writer that escapes control characters, in pieces of at least [`PIECE`] bytes.

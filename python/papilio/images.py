@@ -245,8 +245,7 @@ def image(
             checked_threads(threads),
             tell,
         )
-    warned = _messages.merged(*core.warnings())
-    found = Image(core.json(), core.arrays(), core.png(), core.title, warned, core.notes(), core.codes())
+    found = Image(core.json(), core.arrays(), core.png(), core.title, core.warnings(), core.notes(), core.codes())
     _messages.warn(found.warnings)
     return found
 

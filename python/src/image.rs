@@ -29,7 +29,6 @@ pub(crate) struct Image {
     codes: Option<Codes>,
     json: String,
     title: String,
-    warnings: Vec<String>,
     notes: Vec<String>,
 }
 
@@ -76,10 +75,11 @@ impl Image {
         let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
         let space = if display_p3 { ScreenSpace::DisplayP3 } else { ScreenSpace::Srgb };
         let screen = Screen { white, space };
-        let of = computed(py, &scenario.of, threads, progress, |control| {
+        let mut of = computed(py, &scenario.of, threads, progress, |control| {
             image(&resolved.scene, &request.source, &settings, screen, control)
         })?;
         let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());
+        resolved.warn_before(&mut of.numbers.warnings);
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title: &title,
@@ -89,15 +89,7 @@ impl Image {
         let codes = request.codes.as_ref();
         let codes = codes.map(|codes| (codes.controller.map(|one| one.name), codes.of_states.clone()));
         let wanted = of.wanted(&request.source);
-        Ok(Self {
-            of,
-            wanted,
-            codes,
-            json,
-            title,
-            warnings: resolved.warnings.clone(),
-            notes: resolved.notes.clone(),
-        })
+        Ok(Self { of, wanted, codes, json, title, notes: resolved.notes.clone() })
     }
 
     /// Name of the controller, and codes of the states; None: the scenario has none.
@@ -142,8 +134,8 @@ impl Image {
     }
 
     /// Warnings of the scenario and of the computation.
-    fn warnings(&self) -> (Vec<String>, Vec<String>) {
-        (self.warnings.clone(), self.of.numbers.warnings.clone())
+    fn warnings(&self) -> Vec<String> {
+        self.of.numbers.warnings.clone()
     }
 
     fn notes(&self) -> Vec<String> {

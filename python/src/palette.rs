@@ -31,8 +31,9 @@ impl Palette {
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
         let rooms: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
-        let of =
+        let mut of =
             computed(py, resolved, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
+        resolved.warn_before(&mut of.warnings);
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,

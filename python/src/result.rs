@@ -23,7 +23,7 @@ pub(crate) struct RunResult {
 
 impl RunResult {
     pub(crate) fn new(mut result: display::RunResult, resolved: Arc<Resolved>) -> Self {
-        result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+        resolved.warn_before(&mut result.warnings);
         result.notes.splice(0..0, resolved.notes.iter().cloned());
         Self { result, resolved }
     }

@@ -35,9 +35,10 @@ impl Mtf {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let of = computed(py, resolved, threads, progress, |control| {
+        let mut of = computed(py, resolved, threads, progress, |control| {
             mtf(&resolved.scene, &resolved.patterns, control)
         })?;
+        resolved.warn_before(&mut of.warnings);
         let json = content(scenario, &of)?;
         Ok(Self { of, json })
     }
@@ -90,9 +91,10 @@ impl Crosstalk {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let of = computed(py, resolved, threads, progress, |control| {
+        let mut of = computed(py, resolved, threads, progress, |control| {
             crosstalk(&resolved.scene, &resolved.patterns.text, control)
         })?;
+        resolved.warn_before(&mut of.warnings);
         let json = content(scenario, &of)?;
         Ok(Self { of, json })
     }
@@ -152,8 +154,9 @@ impl Sparkle {
         let missing = "scenario: it describes no antiglare face (expected the table [sparkle] with slope_rms or haze and \
                        correlation_um, or a rough layer with correlation_um)";
         let face = resolved.sparkle.as_ref().ok_or_else(|| errors::argument(py, missing))?;
-        let of =
+        let mut of =
             computed(py, resolved, threads, progress, |control| sparkle(&resolved.scene, face, control))?;
+        resolved.warn_before(&mut of.warnings);
         let json = text(&SparkleFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
@@ -202,7 +205,8 @@ impl Gloss {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let of = computed(py, resolved, threads, progress, |control| gloss(&resolved.scene, control))?;
+        let mut of = computed(py, resolved, threads, progress, |control| gloss(&resolved.scene, control))?;
+        resolved.warn_before(&mut of.warnings);
         let json = content(scenario, &of)?;
         Ok(Self { of, json })
     }

@@ -11,7 +11,7 @@ use papilio_scenario::{ParameterisedScenario, Scenario, Tolerance};
 
 use crate::arguments::Compare;
 use crate::progress::{FractionBar, with_progress};
-use crate::{Failure, input, interrupt, print_message, print_notes};
+use crate::{Failure, input, interrupt, print_message, print_notes, print_warnings};
 
 /// Reads or computes the simulated side; returns the path of its file, too.
 pub(super) fn read(arguments: &Compare, measured: &Measurement) -> Result<(PathBuf, ReadResult), Failure> {
@@ -60,9 +60,11 @@ fn computed(arguments: &Compare, measured: &Measurement) -> Result<ReadResult, F
     let scenario = input::scenario::<Scenario>(path, set)?;
     let resolved = scenario.resolve()?;
     print_notes(&resolved.notes);
+    print_warnings(&resolved.warnings);
     let threads = arguments.workers.threads;
     let result = with_progress(&resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
     let result = result.filter(|result| !result.solver.interrupted).ok_or(INTERRUPTED)?;
+    print_warnings(&result.warnings);
     let mut simulated = Simulated::of(&result, &resolved.scene).ok_or_else(|| {
         Failure::Input(format!(
             "{}: all of its light comes from the front light, so it has no reflectance factors to compare",

@@ -4,7 +4,7 @@ use papilio_scenario::Scenario;
 
 use super::{output_format, write};
 use crate::arguments::Measure;
-use crate::{Failure, input, print_message, print_notes};
+use crate::{Failure, input, print_notes, print_warnings};
 
 pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
     let format = output_format(arguments.format, &arguments.output)?;
@@ -15,6 +15,6 @@ pub(crate) fn measure(arguments: &Measure) -> Result<(), Failure> {
         Failure::Input(format!("{error}\n  = help: specify a blur, for example --set measure.blur=0.01"))
     })?;
     print_notes(&instrument.notes);
-    instrument.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
+    print_warnings(&instrument.warnings);
     write(&arguments.scenario, &measurement, format, &arguments.output)
 }

@@ -9,7 +9,7 @@ use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
 use crate::progress::Computation;
-use crate::{Failure, folder, input, numbers, output, print_message, print_notes, report};
+use crate::{Failure, folder, input, numbers, output, print_notes, print_warnings, report};
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -54,7 +54,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     }
     drop(computation);
     print_notes(&base.notes);
-    base.warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
+    print_warnings(&base.warnings);
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
     let mut stdout = crate::terminal::output(false);
     stdout.write_all(report_text(&title, &variants).as_bytes())?;

@@ -10,7 +10,6 @@ mod light;
 mod merge;
 mod table;
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -26,7 +25,7 @@ use papilio_scenario::{Sweep, label, labelled_names, nearest};
 use self::compute::compute;
 use self::journal::Journal;
 use crate::arguments::{Sweep as Command, SweepCommand, SweepOutputs as Outputs, SweepRun, default_out};
-use crate::{Failure, costs, input, interrupt, output, print_message, print_notes, report};
+use crate::{Failure, costs, input, interrupt, output, print_message, print_notes, report, terminal};
 
 /// Number of points from which a note says that a compact sweep takes less time and space.
 const MANY_POINTS: usize = 1000;
@@ -174,10 +173,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: &Out
     }
     stdout.flush()?;
     output::print_written(folder, &names);
-    let mut warnings: BTreeMap<&str, usize> = BTreeMap::new();
-    points.iter().flat_map(|point| &point.warnings).for_each(|text| *warnings.entry(text).or_default() += 1);
-    for (warning, count) in warnings {
-        print_message(&format!("warning: at {count} of {} points: {warning}", points.len()));
-    }
+    let warnings = points.iter().flat_map(|point| &point.warnings).map(String::as_str);
+    terminal::print_counted(warnings, points.len(), "points");
     Ok(())
 }

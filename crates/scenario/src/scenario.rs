@@ -324,6 +324,11 @@ const LIGHTS: &str = "\"this\", a preset, or an illuminant of `papilio illuminan
 
 impl Resolved {
     /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
+    /// Inserts the warnings of the scenario before those of its result: a result that is written has all of them.
+    pub fn warn_before(&self, of_result: &mut Vec<String>) {
+        of_result.splice(0..0, self.warnings.iter().cloned());
+    }
+
     /// causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let source;

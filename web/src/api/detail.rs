@@ -186,7 +186,7 @@ fn detailed(resolved: &Resolved, command: Detail, control: &Control<'_>) -> Resu
             (numbers, tables, Vec::new(), found.warnings)
         }
     };
-    warnings.splice(0..0, resolved.warnings.iter().cloned());
+    resolved.warn_before(&mut warnings);
     Ok(Detailed { numbers, tables, figures: drawn(figures), warnings })
 }
 
@@ -194,11 +194,13 @@ fn of_sparkle(resolved: &Resolved, found: &SparkleResult) -> Result<Detailed, Fa
     let title = resolved.title.as_deref().unwrap_or_default();
     let of_row =
         |row: &SparkleRow| numbers(None, row.metrics().named(), row.errors().named()).collect::<Vec<_>>();
+    let mut warnings = found.warnings.clone();
+    resolved.warn_before(&mut warnings);
     Ok(Detailed {
         numbers: found.rows.first().map_or_else(Vec::new, of_row),
         tables: vec![Table { name: "sparkle", csv: text(|out| write_sparkle(out, found))? }],
         figures: drawn(papilio_figures::of_sparkle(found, title)),
-        warnings: resolved.warnings.clone(),
+        warnings,
     })
 }
 

@@ -454,7 +454,9 @@ fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Ex
     let white = Screen::default();
     let found =
         papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
-    file(&found.map_err(|error| Fault::of(&resolved, error))?, &resolved, request.codes, &what)
+    let mut found = found.map_err(|error| Fault::of(&resolved, error))?;
+    resolved.warn_before(&mut found.numbers.warnings);
+    file(&found, &resolved, request.codes, &what)
 }
 
 fn check_size(pixels: usize) -> Result<(), Fault> {

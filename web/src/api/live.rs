@@ -143,7 +143,7 @@ pub(super) fn compute_scene(
     let control = Control { threads: None, progress: &|_| {}, stop };
     let result = site.prepared().answer(&resolved.scene, accuracy, &control);
     let mut result = result.map_err(|error| Fault::of(&resolved, error))?;
-    result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+    resolved.warn_before(&mut result.warnings);
     result.notes.splice(0..0, resolved.notes.iter().cloned());
     Ok(Answer { resolved, result })
 }

@@ -139,7 +139,7 @@ fn run(started: Started, live: Option<&Answer>, events: &EventSender) -> WalkEve
     let control = Control { threads: Some(threads), progress: &report, stop: events.stop() };
     match papilio_display::run(&resolved.scene, &control) {
         Ok(mut result) => {
-            result.warnings.splice(0..0, resolved.warnings.iter().cloned());
+            resolved.warn_before(&mut result.warnings);
             let views = result.views.iter().enumerate();
             let states = views.flat_map(|(number, view)| states(number, view, live)).collect();
             WalkEvent::Done(Box::new(WalkDone {

@@ -236,9 +236,9 @@ impl Resolver<'_> {
             (Some(given), _) => Some(Photograph::Given(given).size()),
             (None, Some(name)) => {
                 // It was read before, with its warnings.
-                let known = self.notes.len();
+                let known = self.warnings.len();
                 let photograph = self.photograph(image, name);
-                self.notes.truncate(known);
+                self.warnings.truncate(known);
                 Some(Photograph::File(photograph?).size())
             }
             (None, None) => None,
@@ -262,7 +262,7 @@ impl Resolver<'_> {
         let opened = self.open_within(name, origin, LARGEST_PICTURE_FILE)?;
         match FilePicture::read(&opened, image.source_space.value) {
             Ok(picture) => {
-                self.notes.extend(picture.warnings.iter().map(|warning| format!("{name}: {warning}")));
+                self.warnings.extend(picture.warnings.iter().map(|warning| format!("{name}: {warning}")));
                 Some(picture)
             }
             Err(error) => {
