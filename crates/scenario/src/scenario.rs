@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use papilio_colour::ColourError;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::DisplayError;
 use papilio_display::image::SourceImage;
@@ -323,12 +324,12 @@ const THIS: &str = "this";
 const LIGHTS: &str = "\"this\", a preset, or an illuminant of `papilio illuminants`";
 
 impl Resolved {
-    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
     /// Inserts the warnings of the scenario before those of its result: a result that is written has all of them.
     pub fn warn_before(&self, of_result: &mut Vec<String>) {
         of_result.splice(0..0, self.warnings.iter().cloned());
     }
 
+    /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key
     /// causes it.
     pub fn located(&self, error: &DisplayError) -> Option<ScenarioErrors> {
         let source;
@@ -463,6 +464,70 @@ impl Resolved {
                 .expected("a black and a white with a CIELAB chroma below 8 in this light")
                 .hint("name such states in image.states, or set image.neutrals = \"all\"");
                 ("image.neutrals", wrong.into())
+            }
+            DisplayError::Colour(ColourError::States { states }) => {
+                let wrong = match states {
+                    0 | 1 => Diagnostic::new("a picture cannot be shown by a single state")
+                        .hint("add another state to the pixel, for example `black`"),
+                    _ => Diagnostic::new(format!(
+                        "a picture cannot be shown by these {states} states: they are too many, or some have no finite colour"
+                    ))
+                    .hint("name those for pictures in image.states"),
+                };
+                ("display.pixel", wrong.expected("2 to 64 states with finite X, Y and Z").into())
+            }
+            DisplayError::Colour(ColourError::WhiteAndBlack { white, black }) => {
+                let wrong = Diagnostic::new(format!(
+                    "no picture is seen in this light and view: white (Y = {white:.4}) and black (Y = {black:.4}) have no contrast"
+                ))
+                .expected("a white that is brighter than black in X, Y and Z, both of them mixtures of the states")
+                .hint("`papilio palette` shows the colours of all states in this light and view");
+                ("display.pixel", wrong.into())
+            }
+            DisplayError::Colour(ColourError::Dependent) => {
+                let wrong =
+                    Diagnostic::new("red, green, blue and black of this pixel are mixtures of each other")
+                        .expected("sub-pixels of three colours: the coverage of each is not unique otherwise")
+                        .hint("`papilio palette` shows the colours of all states in this light and view");
+                ("display.pixel", wrong.into())
+            }
+            DisplayError::TooClose { distance_mm, theta_deg } => {
+                let wrong = Diagnostic::new(format!(
+                    "from {distance_mm} mm the reader sees a part of the picture at {theta_deg:.4} deg, along the panel"
+                ))
+                .expected("a larger distance")
+                .hint("or set image.perspective = false, which shows all of it in one direction");
+                ("viewer.distance_mm", wrong.into())
+            }
+            DisplayError::TooManySamples { per_pixel, samples, most } => {
+                let wrong = Diagnostic::new(format!(
+                    "{per_pixel} x {per_pixel} samples of each pixel are {samples} in all"
+                ))
+                .expected(format!("at most {most} samples of a picture"))
+                .hint("use fewer samples for each pixel, or fewer pixels in display.matrix.pixels");
+                ("image.samples_per_pixel", wrong.into())
+            }
+            DisplayError::TooManyCells { per_pixel, cells, most } => {
+                let wrong = Diagnostic::new(format!(
+                    "{per_pixel} x {per_pixel} samples divide the pixels of all states into {cells} different cells"
+                ))
+                .expected(format!("at most {most} cells"))
+                .hint("use fewer samples for each pixel, or fewer states in image.states");
+                ("image.samples_per_pixel", wrong.into())
+            }
+            DisplayError::ScanOfScattering => {
+                let wrong = Diagnostic::new("a pixel given by its BRDF scatters light into all directions: it has no table of reflectance by angle")
+                    .expected("a pixel whose reflectance is a function of angle and wavelength")
+                    .hint("`papilio diffuser inspect` shows its file, and `papilio brdf` computes the BRDF of the whole display");
+                ("display.pixel.model", wrong.into())
+            }
+            DisplayError::AbsorptionWithoutFilm => {
+                let wrong = Diagnostic::new(
+                    "this pixel has no film whose layers absorb: its reflectance is given, not computed",
+                )
+                .expected("model = \"film\"")
+                .hint("leave out --absorption");
+                ("display.pixel.model", wrong.into())
             }
             DisplayError::Azimuth { what, key, hint } => {
                 let wrong = format!(
