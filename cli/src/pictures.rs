@@ -122,7 +122,8 @@ struct Finished {
 
 /// Shows all pictures of a folder; the others, if one of them cannot be shown.
 fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
-    let pictures = pictures_in(folder)?;
+    let Contents { pictures, skipped } = pictures_in(folder)?;
+    skipped.iter().for_each(|note| print_message(note));
     let scenario = &arguments.command.scenario;
     let out = scenario.out.clone().unwrap_or_else(|| scenario.default_out());
     output::check(&out)?;
@@ -142,13 +143,14 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
     );
     let mut all: Vec<Finished> = Vec::new();
     let mut wrong = Vec::new();
+    let mut warnings: Vec<String> = Vec::new();
     for (path, results) in &pictures {
         let picture = path.display().to_string();
         let mut command = arguments.command.clone();
         // Results of a picture are files, whatever is printed.
         (command.json, command.scenario.out) = (false, Some(out.join(results)));
         let shown = Shown { arguments, command, picture: Some(picture.clone()) };
-        let one = || {
+        let mut one = || {
             let resolved = shown.resolved()?;
             let is_it = |one: &&Finished| (&one.hash, &one.arguments) == (&resolved.hash, &stated);
             let is_there = || out.join(results).join("image.json").exists();
@@ -159,6 +161,7 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
             }
             let hash = resolved.hash.clone();
             let numbers = image::write_one(&shown, resolved)?;
+            warnings.extend(numbers.warnings.iter().cloned());
             Ok(Finished::new(&picture, results, hash, &stated, &numbers))
         };
         match one() {
@@ -183,6 +186,7 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
     if !all.is_empty() {
         print_message(&format!("wrote {} and the folder of each picture in {}", ALL, out.display()));
     }
+    terminal::print_counted(warnings.iter().map(String::as_str), pictures.len(), "pictures");
     if wrong.is_empty() {
         return Ok(());
     }
@@ -194,34 +198,67 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
     )))
 }
 
-/// Pictures of a folder in the order of their names, each with the name of the folder of its results.
-fn pictures_in(folder: &Path) -> Result<Vec<(PathBuf, String)>, Failure> {
+/// Contents of a folder.
+struct Contents {
+    /// Pictures in the order of their names, each with the name of the folder of its results.
+    pictures: Vec<(PathBuf, String)>,
+    /// A note on what is no picture that can be shown.
+    skipped: Option<String>,
+}
+
+/// Most names in the note on what is skipped.
+const MOST_NAMED: usize = 5;
+
+/// Names of what is skipped in a folder; hidden files are not mentioned.
+fn names_of(mut skipped: Vec<PathBuf>) -> Option<String> {
+    skipped.sort();
+    let name = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let kind = if path.is_dir() { " (a folder)" } else { "" };
+        (!name.starts_with('.')).then(|| format!("{name}{kind}"))
+    };
+    let names: Vec<String> = skipped.iter().filter_map(name).collect();
+    let more = names.len().saturating_sub(MOST_NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!names.is_empty()).then(|| names[..names.len().min(MOST_NAMED)].join(", ") + &more)
+}
+
+/// The pictures of a folder.
+fn pictures_in(folder: &Path) -> Result<Contents, Failure> {
     let unreadable = |error: std::io::Error| {
         Failure::Input(format!("the folder {} cannot be read: {error}", folder.display()))
     };
-    let mut paths = Vec::new();
+    let (mut paths, mut skipped) = (Vec::new(), Vec::new());
     for entry in fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
         let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
         if path.is_file() && ENDS.contains(&&*end) {
             paths.push(path);
+        } else {
+            skipped.push(path);
         }
     }
     paths.sort();
+    let ends = ENDS.map(|end| format!(".{end}")).join(", ");
+    let skipped = names_of(skipped);
     if paths.is_empty() {
-        let ends = ENDS.map(|end| format!(".{end}")).join(", ");
+        let others = skipped.map_or(String::new(), |names| format!("\n  = note: it contains {names}"));
         return Err(Failure::Input(format!(
-            "the folder {} contains no picture\n  = help: pictures are files that end in {ends}",
+            "the folder {} contains no picture{others}\n  = help: pictures are files that end in {ends}",
             folder.display()
         )));
     }
+    let skipped = skipped.map(|names| {
+        format!("note: skipped in {}: {names}: pictures are files that end in {ends}", folder.display())
+    });
     let name = |path: &Path, whole: bool| {
         let name = if whole { path.file_name() } else { path.file_stem() };
         name.unwrap_or_default().to_string_lossy().into_owned()
     };
     let is_unique =
         |path: &PathBuf| paths.iter().filter(|other| name(other, false) == name(path, false)).count() == 1;
-    Ok(paths.iter().map(|path| (path.clone(), name(path, !is_unique(path)))).collect())
+    let pictures = paths.iter().map(|path| (path.clone(), name(path, !is_unique(path)))).collect();
+    Ok(Contents { pictures, skipped })
 }
 
 impl Finished {

@@ -53,6 +53,103 @@ fn pictures_that_are_not_read_say_what_to_do() {
     }
 }
 
+/// A picture of 2 x 2 pixels that are half transparent.
+const TRANSPARENT: &[u8] =
+    b"\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x02\x00\x00\x00\x02\x08\
+      \x06\x00\x00\x00\x72\xb6\x0d\x24\x00\x00\x00\x1d\x49\x44\x41\x54\x78\x01\x01\x12\x00\xed\xff\x00\x1e\
+      \x1e\x80\x78\x78\x1e\x80\x78\x00\x1e\x78\x80\x78\x78\x78\x80\x78\x32\x00\x06\x39\x3f\x4d\x97\x9d\x00\
+      \x00\x00\x00\x49\x45\x4e\x44\xae\x42\x60\x82";
+
+/// What is printed of a picture is in its file, too: its own warnings, and those of the scenario.
+#[test]
+fn warnings_are_printed_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("half.png");
+    fs::write(&file, TRANSPARENT).unwrap();
+    let out = folder.path().join("out");
+    let output = papilio()
+        .args([
+            "image".as_ref(),
+            scenario("six-ink").as_os_str(),
+            file.as_os_str(),
+            "--out".as_ref(),
+            out.as_os_str(),
+        ])
+        .args(["--set", "image.halftone=\"ordered\"", "--set", "image.kernel=\"stucki\""])
+        .output()
+        .unwrap();
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    let written: serde_json::Value =
+        serde_json::from_slice(&fs::read(out.join("image.json")).unwrap()).unwrap();
+    let warnings = written["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), said.matches("warning: ").count(), "{said}");
+    for part in ["composited over white", "image.kernel has no effect"] {
+        assert!(warnings.iter().any(|one| one.as_str().unwrap().contains(part)), "{part}: {warnings:?}");
+    }
+}
+
+/// What a folder contains besides pictures is named in one line, and so is what it contains instead of them.
+#[test]
+fn folders_say_what_is_skipped() {
+    let folder = tempfile::tempdir().unwrap();
+    let photographs = folder.path().join("photographs");
+    fs::create_dir_all(photographs.join("more")).unwrap();
+    fs::write(photographs.join("moving.gif"), b"GIF89a").unwrap();
+    fs::write(photographs.join(".hidden"), b"").unwrap();
+    let shown = || {
+        let out = folder.path().join("out");
+        let mut command = papilio();
+        command.args(["image".as_ref(), scenario("six-ink").as_os_str(), photographs.as_os_str()]);
+        stderr(&command.args(["--out".as_ref(), out.as_os_str()]).output().unwrap())
+    };
+    let empty = shown();
+    assert!(
+        empty.contains("contains no picture\n  = note: it contains more (a folder), moving.gif\n"),
+        "{empty}"
+    );
+    fs::write(photographs.join("half.png"), TRANSPARENT).unwrap();
+    let said = shown();
+    let line = ": more (a folder), moving.gif: pictures are files that end in .png, .jpg";
+    assert!(said.contains("note: skipped in ") && said.contains(line) && !said.contains("hidden"), "{said}");
+    assert!(
+        said.contains("warning: at 1 of 1 pictures: ") && said.contains("composited over white"),
+        "{said}"
+    );
+}
+
+/// A display without two states, or without contrast between them: refused at the pixel.
+#[test]
+fn states_that_show_no_picture_are_refused_at_the_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, picture] = ["s.toml", "half.png"].map(|name| folder.path().join(name));
+    fs::write(&picture, TRANSPARENT).unwrap();
+    for (reflectance, words) in [
+        ("{ white = 0.8 }", "a picture cannot be shown by a single state"),
+        ("{ white = 0.8, black = 0.8 }", "no picture is seen in this light and view"),
+    ] {
+        let text = format!(
+            "title = \"Flat\"\n[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = {reflectance}\n\
+             [lighting]\npreset = \"office\"\n"
+        );
+        fs::write(&file, text).unwrap();
+        let output = papilio().arg("image").args([&file, &picture]).output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        for part in [words, "s.toml:2:", "[display.pixel]", "expected ", "= help: "] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+    }
+    let output = papilio()
+        .args(["image".as_ref(), picture.as_os_str()])
+        .args(["--on", "six-ink", "--set", "lighting.spectrum=\"LED-B1\"", "--set"])
+        .arg("display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.5 } }")
+        .output()
+        .unwrap();
+    let said = stderr(&output);
+    assert!(said.contains("by a single state") && said.contains(" --> --"), "{said}");
+}
+
 /// Black and white only, on a display whose black is coloured: refused at the key, and nothing is written.
 #[test]
 fn neutrals_of_a_coloured_black_are_refused_at_their_key() {
