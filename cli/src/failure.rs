@@ -1,5 +1,10 @@
 //! Why a command failed, and the exit code.
 
+use std::path::{Path, PathBuf};
+
+use papilio_diagnostics::nearest;
+use papilio_formats::{FormatError, Problem};
+
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -10,11 +15,11 @@ pub(crate) enum Failure {
     #[error("error: {0}")]
     Input(String),
     /// A data file is invalid.
-    #[error(transparent)]
-    Data(papilio_formats::FormatError),
+    #[error("{}", with_hint(.0))]
+    Data(FormatError),
     /// A file could not be written.
     #[error(transparent)]
-    Write(papilio_formats::FormatError),
+    Write(FormatError),
     /// A figure could not be converted to PNG.
     #[error("error: {0}")]
     Png(#[from] papilio_figures::PngError),
@@ -39,6 +44,37 @@ pub(crate) enum Failure {
     /// The user pressed Ctrl-C; finished work is saved.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
+}
+
+/// The message of a data file; that of one that cannot be read says which was probably meant.
+fn with_hint(error: &FormatError) -> String {
+    let mut wrong = error.problem.diagnostic();
+    if let (Problem::Unreadable { .. }, None) = (&error.problem, &wrong.hint) {
+        let hint = match near_file(Path::new(&error.place.name)) {
+            Some(near) => format!("did you mean `{}`?", near.display()),
+            None => "give the path of the file, from the current folder or from the root".to_owned(),
+        };
+        wrong = wrong.expected("a file that exists").hint(hint);
+    }
+    wrong.at(&error.place).to_string()
+}
+
+/// Largest number of names of a folder that are compared.
+const MOST_NAMES: usize = 10_000;
+
+/// The file in the folder of a missing file whose name is nearest to that of the file.
+fn near_file(path: &Path) -> Option<PathBuf> {
+    if path.exists() {
+        return None;
+    }
+    let folder = path.parent()?;
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
+    let files = entries.filter(|entry| entry.path().is_file());
+    let mut names: Vec<String> = files.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    let near = nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str))?;
+    Some(folder.join(near))
 }
 
 impl Failure {
@@ -83,11 +119,11 @@ impl From<papilio_design::DesignError> for Failure {
     }
 }
 
-impl From<papilio_formats::FormatError> for Failure {
+impl From<FormatError> for Failure {
     /// A file that cannot be written is an internal error; any other problem of a file is invalid input.
-    fn from(error: papilio_formats::FormatError) -> Self {
+    fn from(error: FormatError) -> Self {
         match error.problem {
-            papilio_formats::Problem::Unwritable { .. } => Self::Write(error),
+            Problem::Unwritable { .. } => Self::Write(error),
             _ => Self::Data(error),
         }
     }

@@ -113,14 +113,16 @@ pub(crate) struct FitArguments {
     pub(crate) out: Option<PathBuf>,
 }
 
+/// Parses the reflectance factor of a white.
+fn reflectance(text: &str) -> Result<f64, String> {
+    text.parse()
+        .map_err(|_| "expected a number above 0, relative to 1 (not per cent), for example 0.99".to_owned())
+}
+
 /// Parses the width of an instrument blur in direction cosines.
 fn blur_width(text: &str) -> Result<f64, String> {
-    let width: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if (1e-4..=1.0).contains(&width) {
-        Ok(width)
-    } else {
-        Err("expected a width from 0.0001 to 1".to_owned())
-    }
+    let width = text.parse().ok().filter(|width| (1e-4..=1.0).contains(width));
+    width.ok_or_else(|| "expected a width from 0.0001 to 1 (direction cosines), for example 0.01".to_owned())
 }
 
 /// The lobes that are fitted.
@@ -184,7 +186,7 @@ pub(crate) struct Calibrate {
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Reflectance factor of the white, relative to 1 (not per cent), the same in all directions
-    #[arg(long, value_name = "R", default_value_t = 0.99)]
+    #[arg(long, value_name = "R", default_value_t = 0.99, allow_negative_numbers = true, value_parser = reflectance)]
     pub(crate) reflectance: f64,
     /// Format of the output [default: from its extension .bsdf, .csv, .xml or .npz]
     #[arg(long, value_parser = one_of(FORMATS))]

@@ -53,11 +53,11 @@ pub(crate) struct Serve {
     /// Scenario to open in the page [default: an example]
     pub(crate) file: Option<PathBuf>,
     /// Port; 0 selects a free one [default: 7417]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = port)]
     pub(crate) port: Option<u16>,
     /// Address to listen on, for access from other machines; every request then needs a token [default:
     /// 127.0.0.1]
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", value_parser = address)]
     pub(crate) listen: Option<IpAddr>,
     /// Folder for the jobs of the page, in one for each port [default: papilio/jobs in the user's folder of states]
     #[arg(long, value_name = "DIR")]
@@ -96,8 +96,7 @@ pub(crate) struct Run {
     #[arg(long)]
     pub(crate) report: bool,
     /// Seed of the Monte Carlo solver; sets solver.seed
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
@@ -131,8 +130,7 @@ pub(crate) struct StudySampling {
     #[command(flatten)]
     pub(crate) scenario: ScenarioArguments,
     /// Largest number of paths, rounded down to 512 times a power of four
-    #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(512..=1 << 30))]
+    #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true, value_parser = paths)]
     pub(crate) paths: u64,
 }
 
@@ -274,10 +272,41 @@ fn direction(text: &str) -> Result<[f64; 2], String> {
     if is_valid { Ok(direction) } else { Err(expected.to_owned()) }
 }
 
+/// Parses a whole number from `least` to `most`.
+fn whole_number(text: &str, least: u64, most: u64) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("expected a whole number from {least} to {most}"))
+}
+
+/// Parses a seed, which TOML can represent.
+fn seed(text: &str) -> Result<u64, String> {
+    whole_number(text, 0, i64::MAX as u64)
+}
+
+/// Parses the number of a port.
+fn port(text: &str) -> Result<u16, String> {
+    whole_number(text, 0, u16::MAX.into()).map(|number| number as u16)
+}
+
+/// Parses the address of a network interface.
+fn address(text: &str) -> Result<IpAddr, String> {
+    text.parse().map_err(|_| "expected an IP address: 127.0.0.1, or 0.0.0.0 for all interfaces".to_owned())
+}
+
+/// Parses a number of threads.
+fn threads(text: &str) -> Result<u16, String> {
+    whole_number(text, 1, 1024).map(|number| number as u16)
+}
+
+/// Parses a number of paths of the study.
+fn paths(text: &str) -> Result<u64, String> {
+    whole_number(text, 512, 1 << 30)
+}
+
 /// Parses a relative error above 0.
 fn relative_error(text: &str) -> Result<f64, String> {
-    let error: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if error > 0.0 { Ok(error) } else { Err("expected a relative error above 0".to_owned()) }
+    let error = text.parse().ok().filter(|error: &f64| *error > 0.0);
+    error.ok_or_else(|| "expected a relative error above 0, for example 0.01".to_owned())
 }
 
 /// Parses an azimuth from -360 to 360 degrees.
@@ -288,24 +317,16 @@ fn azimuth(text: &str) -> Result<f64, String> {
 
 /// Parses a step in degrees that divides 90.
 fn angle_step(text: &str) -> Result<f64, String> {
-    let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    let steps = 90.0 / step;
-    if (1.0..=9000.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9 {
-        Ok(step)
-    } else {
-        Err("expected a step from 0.01 to 90 that divides 90".to_owned())
-    }
+    let divides = |steps: f64| (1.0..=9000.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9;
+    let step = text.parse().ok().filter(|step: &f64| divides(90.0 / step));
+    step.ok_or_else(|| "expected a step from 0.01 to 90 deg that divides 90, for example 5".to_owned())
 }
 
 /// Parses a step in degrees that divides 180.
 fn azimuth_step(text: &str) -> Result<f64, String> {
-    let step: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    let steps = 180.0 / step;
-    if (2.0..=360.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9 {
-        Ok(step)
-    } else {
-        Err("expected a step from 0.5 to 90 that divides 180".to_owned())
-    }
+    let divides = |steps: f64| (2.0..=360.0).contains(&steps) && (steps - steps.round()).abs() < 1e-9;
+    let step = text.parse().ok().filter(|step: &f64| divides(180.0 / step));
+    step.ok_or_else(|| "expected a step from 0.5 to 90 deg that divides 180, for example 15".to_owned())
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -319,8 +340,7 @@ pub(crate) enum Angles {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Workers {
     /// Number of threads [default: one per processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: Option<u16>,
 }
 

@@ -5,7 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use papilio_display::image::ScreenSpace;
 use papilio_scenario::{ExampleDisplay, preset_names};
 
-use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of};
+use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of, seed};
 
 /// A command that depends on the places of pixels.
 #[derive(Debug, Clone, Args)]
@@ -19,8 +19,7 @@ pub(crate) struct SpatialCommand {
     #[arg(long)]
     pub(crate) png: bool,
     /// Seed of random numbers; sets solver.seed
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
@@ -41,8 +40,7 @@ pub(crate) struct Gonio {
     #[arg(long)]
     pub(crate) png: bool,
     /// Seed of random numbers; sets microgeometry.seed
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) workers: Workers,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{ScenarioArguments, Workers};
+use super::{ScenarioArguments, Workers, seed, threads};
 
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -49,8 +49,7 @@ pub(crate) struct SweepRun {
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
     pub(crate) shard: Option<(usize, usize)>,
     /// Number of threads [default: one per processor]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = threads)]
     pub(crate) threads: Option<u16>,
 }
 
@@ -126,8 +125,7 @@ pub(crate) struct Optimize {
     #[arg(long)]
     pub(crate) no_check: bool,
     /// Seed of the starting points and populations; sets optimize.seed
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = seed)]
     pub(crate) seed: Option<u64>,
     /// Use only shard K of N of the starting points, to divide a search among machines
     #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with = "json")]
@@ -158,8 +156,9 @@ pub(crate) struct FitCommand {
 
 /// Parses `K/N` with 1 <= K <= N.
 fn shard(text: &str) -> Result<(usize, usize), String> {
-    let wrong = || "expected K/N with 1 <= K <= N <= 100000, for example 2/8".to_owned();
-    let (k, n) = text.split_once('/').ok_or_else(wrong)?;
-    let (k, n): (usize, usize) = (k.parse().map_err(|_| wrong())?, n.parse().map_err(|_| wrong())?);
-    if (1..=n).contains(&k) && n <= 100_000 { Ok((k, n)) } else { Err(wrong()) }
+    let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    let shard = numbers.filter(|(k, n): &(usize, usize)| (1..=*n).contains(k) && *n <= 100_000);
+    shard.ok_or_else(|| {
+        "expected K/N, shard K of N with 1 <= K <= N <= 100000: the shards of three machines are 1/3, 2/3 and 3/3".to_owned()
+    })
 }

@@ -132,10 +132,13 @@ fn check_columns(columns: &[String]) -> Result<(), Failure> {
     let names: Vec<String> = labelled_names().collect();
     let number = wrong.rsplit_once('.').map_or(wrong.as_str(), |(_, number)| number);
     let advice = nearest(number, names.iter().map(String::as_str)).map_or(
-        "the columns are those of states.csv, and metrics of a state such as `white.Y`".to_owned(),
+        "a sweep without --columns writes all of them; docs/metrics.md describes them".to_owned(),
         |near| format!("did you mean `{}{near}`?", &wrong[..wrong.len() - number.len()]),
     );
-    Err(Failure::Input(format!("--columns: there is no column `{wrong}`\n  = help: {advice}")))
+    Err(Failure::Input(format!(
+        "--columns: there is no column `{wrong}`\n  = note: expected columns of states.csv (Y, L_star, Y_se), or metrics of a view or of one state \
+         (contrast_ratio, white.Y), with commas between them\n  = help: {advice}"
+    )))
 }
 
 /// Error: the finished sweep has no such column.

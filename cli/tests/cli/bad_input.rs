@@ -136,6 +136,29 @@ fn slips_in_the_arguments_have_a_suggestion() {
             &["contains no result.json", "did you mean `results/indoor`?"],
         ),
         (&["tolerance", "indoor.toml"], &["scenarios/tolerance.toml is an example"]),
+        (
+            &["compare", "results/indoor", "mesured.csv"],
+            &["there is no such file", "expected a file that exists", "did you mean `measured.csv`?"],
+        ),
+        (
+            &["diffuser", "inspect", "nothing.bsdf"],
+            &["expected a file that exists", "give the path of the file"],
+        ),
+        (&["run", "indoor.toml", "--seed", "-1"], &["expected a whole number from 0 to 9223372036854775807"]),
+        (&["run", "indoor.toml", "--threads", "x"], &["expected a whole number from 1 to 1024"]),
+        (&["study", "sampling", "indoor.toml", "--paths", "3"], &["a whole number from 512 to 1073741824"]),
+        (&["serve", "--port", "99999"], &["expected a whole number from 0 to 65535"]),
+        (&["serve", "--listen", "here"], &["expected an IP address"]),
+        (&["pixel", "indoor.toml", "--step", "x"], &["expected a step from 0.01 to 90 deg that divides 90"]),
+        (&["sweep", "indoor.toml", "--shard", "3/2"], &["shard K of N with 1 <= K <= N"]),
+        (
+            &["sweep", "indoor.toml", "--axis", "viewer.theta_deg=0,8", "--columns", "foo"],
+            &["there is no column `foo`", "expected columns of states.csv", "docs/metrics.md"],
+        ),
+        (
+            &["sweep", "indoor.toml", "--axis", "viewer.theta_deg=0,8", "--axis", "viewer.theta_deg=9,10"],
+            &["swept twice", "expected a key that no other axis has", "in one list"],
+        ),
     ] {
         let output = papilio().current_dir(here).args(arguments).output().unwrap();
         let said = stderr(&output);

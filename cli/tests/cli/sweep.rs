@@ -173,7 +173,7 @@ fn columns_of_the_table_can_be_chosen() {
     let white = by_state.lines().nth(1).unwrap().rsplit(',').nth(1).unwrap();
     assert_eq!(by_view.lines().nth(1).unwrap().rsplit(',').nth(1), Some(white));
     for (columns, advice) in
-        [("Lstar", "did you mean `L_star`?"), ("withe.Y", "there is no column `withe.Y`")]
+        [("Lstar", "did you mean `L_star`?"), ("withe.Y", "no column `withe.Y`; did you mean `white.Y` or")]
     {
         let output = papilio(&["sweep", &file, "--out", &out, "--columns", columns]);
         assert_eq!(output.status.code(), Some(2), "{columns}");

@@ -170,7 +170,7 @@ impl SweepPoint {
         ["theta_deg", "phi_deg"].map(|name| self.cell(row, name).unwrap_or_default())
     }
 
-    fn cell<'a>(&self, row: &'a [String], column: &str) -> Option<&'a str> {
+    pub(crate) fn cell<'a>(&self, row: &'a [String], column: &str) -> Option<&'a str> {
         let at = self.columns.iter().position(|name| name == column)?;
         row.get(at).map(String::as_str)
     }

@@ -1,5 +1,6 @@
 //! A choice of the columns of a sweep's table.
 
+use papilio_diagnostics::did_you_mean;
 use papilio_display::scene::Metric;
 
 use crate::sweep::{SweepHead, SweepPoint};
@@ -26,7 +27,9 @@ pub fn sweep_columns(points: &[&SweepPoint], columns: &[String]) -> Result<Vec<S
         }
         let column = of_state.map_or(name.as_str(), |(_, column)| column);
         if !points.iter().any(|point| point.columns.iter().any(|own| own == column)) {
-            return Err(format!("there is no column `{name}`"));
+            let near = did_you_mean(name, known(points).iter().map(String::as_str));
+            let near = near.map_or(String::new(), |near| format!("; {near}"));
+            return Err(format!("there is no column `{name}`{near}"));
         }
     }
     let chosen: Vec<&str> =
@@ -35,6 +38,17 @@ pub fn sweep_columns(points: &[&SweepPoint], columns: &[String]) -> Result<Vec<S
         .iter()
         .map(|point| if by_view { of_views(point, &chosen) } else { of_states(point, &chosen) })
         .collect())
+}
+
+/// All columns of the first point, and those of each of its states.
+fn known(points: &[&SweepPoint]) -> Vec<String> {
+    let Some(point) = points.first() else { return Vec::new() };
+    let mut states: Vec<&str> = point.rows.iter().filter_map(|row| point.cell(row, "state")).collect();
+    states.sort_unstable();
+    states.dedup();
+    let of_states =
+        states.iter().flat_map(|state| point.columns.iter().map(move |own| format!("{state}.{own}")));
+    point.columns.iter().cloned().chain(of_states).collect()
 }
 
 /// Returns the rows of a point with these columns.
@@ -138,6 +152,6 @@ mod tests {
     fn column_that_does_not_exist_is_named() {
         assert_eq!(table(&["Q"]).unwrap_err(), "there is no column `Q`");
         assert!(table(&["Y", "white.Y"]).unwrap_err().contains("`white.Y` is a column of one state"));
-        assert_eq!(table(&["white.Q"]).unwrap_err(), "there is no column `white.Q`");
+        assert_eq!(table(&["whit.Y"]).unwrap_err(), "there is no column `whit.Y`; did you mean `white.Y`?");
     }
 }

@@ -186,7 +186,7 @@ struct Editor {
 impl Editor {
     /// Returns the item at a path, which is created if it does not exist, as an array if `array`.
     fn at<'a>(&mut self, root: &'a mut Item, path: &KeyPath, array: bool) -> Result<&'a mut Item, Message> {
-        path.put(root, array, self).map_err(|error| error.message)
+        path.put(root, array, self).map_err(|error| error.wrong.message)
     }
 
     /// Returns the table or array above the last key of a path, and the step that the key means there.
@@ -195,13 +195,13 @@ impl Editor {
         root: &'a mut Item,
         path: &'k KeyPath,
     ) -> Result<(&'a mut Item, Step<'k>), Message> {
-        path.check().map_err(|error| error.message)?;
+        path.check().map_err(|error| error.wrong.message)?;
         let (above, last) = path.split_last();
         let parent = match above {
             Some(above) => self.at(root, &above, index(last).is_some())?,
             None => root,
         };
-        let step = step(parent.shape(), last)?;
+        let step = step(parent.shape(), last).map_err(|wrong| wrong.message)?;
         Ok((parent, step))
     }
 
@@ -273,7 +273,7 @@ impl Editor {
         to: &KeyPath,
         before: Option<usize>,
     ) -> Result<(), Message> {
-        path.check().map_err(|error| error.message)?;
+        path.check().map_err(|error| error.wrong.message)?;
         let mut table = taken(root, path)?.unwrap_or_default();
         table.set_dotted(false);
         table.set_implicit(false);

@@ -11,6 +11,7 @@
 use std::fmt;
 use std::ops::Range;
 
+use papilio_diagnostics::Diagnostic;
 use serde_json::Value as Json;
 
 use crate::renamed::new_key;
@@ -49,7 +50,7 @@ pub(crate) struct PathError {
     /// Range of the wrong part in the text of the path, in bytes.
     pub(crate) range: Range<usize>,
     /// What is wrong.
-    pub(crate) message: String,
+    pub(crate) wrong: Box<Diagnostic>,
 }
 
 /// A tree of tables and arrays through which paths can be followed.
@@ -173,12 +174,17 @@ impl KeyPath {
 
     /// Checks that no key is empty, and that the path is not too long.
     pub(crate) fn check(&self) -> Result<(), PathError> {
-        let wrong = |range: &Range<usize>, message: String| Err(PathError { range: range.clone(), message });
-        if let Some(Key { range, .. }) = self.keys.iter().find(|key| key.range.is_empty()) {
-            return wrong(range, "the path has an empty key".to_owned());
+        let at = |key: &Key, wrong: Diagnostic| {
+            Err(PathError { range: key.range.clone(), wrong: Box::new(wrong.hint(EXAMPLE_PATH)) })
+        };
+        if let Some(key) = self.keys.iter().find(|key| key.range.is_empty()) {
+            return at(key, Diagnostic::new("the path has an empty key").expected("a key"));
         }
         match self.keys.get(MOST_KEYS) {
-            Some(Key { range, .. }) => wrong(range, format!("the path has more than {MOST_KEYS} keys")),
+            Some(key) => {
+                let wrong = Diagnostic::new(format!("the path has more than {MOST_KEYS} keys"));
+                at(key, wrong.expected(format!("at most {MOST_KEYS} keys")))
+            }
             None => Ok(()),
         }
     }
@@ -194,9 +200,10 @@ impl KeyPath {
         let mut node = root;
         for (number, (key, Key { range, .. })) in self.keys().zip(&self.keys).enumerate() {
             let array = self.keys().nth(number + 1).map_or(array, |next| index(next).is_some());
-            let wrong = |message| PathError { range: range.clone(), message };
-            let step = step(node.shape(), key).map_err(wrong)?;
-            node = grow.child(node, Position { path: self, number, step, array }).map_err(wrong)?;
+            let at = |wrong| PathError { range: range.clone(), wrong: Box::new(wrong) };
+            let step = step(node.shape(), key).map_err(at)?;
+            let position = Position { path: self, number, step, array };
+            node = grow.child(node, position).map_err(|message| at(Diagnostic::new(message)))?;
         }
         Ok(node)
     }
@@ -251,21 +258,35 @@ pub(crate) fn index(key: &str) -> Option<usize> {
 }
 
 /// Returns the step that a key means at a node of this shape.
-pub(crate) fn step(shape: Shape, key: &str) -> Result<Step<'_>, String> {
-    match shape {
-        Shape::Table => Ok(Step::Key(key)),
-        Shape::Array(count) => match index(key) {
-            Some(at) if at <= count => Ok(Step::Index(at)),
-            Some(_) if count == 0 => Err("this array is empty or missing: its first index is 0".to_owned()),
-            Some(_) => Err(format!("this array has the indices 0 to {}", count - 1)),
-            None if key.parse::<i64>().is_ok() && count > 0 => {
-                Err(format!("indices start at 0: this array has 0 to {}", count - 1))
-            }
-            None => Err("this is an array: an index is needed here".to_owned()),
-        },
-        Shape::Value(kind) => Err(format!("the value above this key is {kind}, which has no keys")),
+pub(crate) fn step(shape: Shape, key: &str) -> Result<Step<'_>, Diagnostic> {
+    let count = match shape {
+        Shape::Table => return Ok(Step::Key(key)),
+        Shape::Array(count) => count,
+        Shape::Value(kind) => {
+            let wrong = Diagnostic::new(format!("the value above this key is {kind}, which has no keys"));
+            return Err(wrong.expected("the end of the path").hint("remove this key and those below it"));
+        }
+    };
+    let message = match (index(key), count.checked_sub(1)) {
+        (Some(at), _) if at <= count => return Ok(Step::Index(at)),
+        (Some(_), None) => "this array is empty or missing: its first index is 0".to_owned(),
+        (Some(_), Some(last)) => format!("this array has the indices 0 to {last}"),
+        (None, Some(last)) if key.parse::<i64>().is_ok() => {
+            format!("indices start at 0: this array has 0 to {last}")
+        }
+        (None, _) => "this is an array: an index is needed here".to_owned(),
+    };
+    let wrong = Diagnostic::new(message);
+    Err(match count {
+        0 => wrong.expected("the index 0, which begins the array"),
+        _ => wrong.expected(format!("an index from 0 to {count}; {count} appends an item")),
     }
+    .hint(EXAMPLE_PATH))
 }
+
+/// Hint for a path that cannot be followed.
+const EXAMPLE_PATH: &str =
+    "points separate the keys, and indices count from 0, as in display.pixel.film.1.thickness_nm";
 
 impl Tree for Json {
     fn shape(&self) -> Shape {
@@ -324,7 +345,9 @@ mod tests {
             (Shape::Array(2), "first", "an index is needed here"),
             (Shape::Value("a number"), "n", "is a number, which has no keys"),
         ] {
-            assert!(step(shape, key).unwrap_err().contains(message), "{key}");
+            let wrong = step(shape, key).unwrap_err();
+            assert!(wrong.message.contains(message), "{key}");
+            assert!(wrong.expected.is_some() && wrong.hint.is_some(), "{key}");
         }
     }
 }

@@ -52,7 +52,7 @@ pub(crate) fn apply(
             if !presets {
                 let wrong = Diagnostic::new("this is not PATH=VALUE");
                 let all = Origin { source, start: 0, end: text.len().max(1) };
-                errors.push(all, wrong.expected("for example display.glass.index=1.52"));
+                errors.push(all, wrong.expected("PATH=VALUE, for example display.glass.index=1.52"));
             }
             continue;
         };
@@ -177,7 +177,10 @@ fn put(
     match path.put(root, false, &mut NodeBuilder { place }) {
         Ok(node) => *node = value,
         Err(error) => {
-            let wrong = Diagnostic::new(error.message).hint_if(factor_of_material(root, path));
+            let mut wrong = *error.wrong;
+            if let Some(factor) = factor_of_material(root, path) {
+                wrong = wrong.expected("a table above this key").hint(factor);
+            }
             errors.push(place.of(error.range), mistake::of_path(wrong));
         }
     }

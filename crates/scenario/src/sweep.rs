@@ -74,7 +74,7 @@ impl Sweep {
         format!("{AXIS}{axis}")
     }
 
-    /// Returns one note for each old name of a key or a value.
+    /// Returns one note for each old name of a key or a value, and for each range whose steps end before its end.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -266,7 +266,9 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
     let all: Vec<&Swept> = sweep.axes.iter().flat_map(|axis| &axis.0).collect();
     for (i, swept) in all.iter().enumerate() {
         if all[..i].iter().any(|other| other.path == swept.path) {
-            errors.push(swept.origin, Diagnostic::new(format!("`{}` is swept twice", swept.path)));
+            let wrong = Diagnostic::new(format!("`{}` is swept twice", swept.path));
+            let hint = "give all of its values in one list, or remove one of the two";
+            errors.push(swept.origin, wrong.expected("a key that no other axis has").hint(hint));
             return false;
         }
     }

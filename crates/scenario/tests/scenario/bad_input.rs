@@ -364,12 +364,28 @@ fn mistakes_in_set_are_reported_with_its_number_and_column() {
             &["viewer.theta_deg=-95", "above -90 and below 90"],
         ),
         (&["display.pixel.film.2.material=1.4"], "--set #1:1:20", &["`thickness_nm` is missing"]),
-        (&["display.pixel.film.3.material=1.4"], "--set #1:1:20", &["has the indices 0 to 1"]),
-        (&["display.pixel.film.first.material=1.4"], "--set #1:1:20", &["an index is needed here"]),
-        (&["display.glass.index.n=1.4"], "--set #1:1:21", &["a number, which has no keys"]),
+        (
+            &["display.pixel.film.3.material=1.4"],
+            "--set #1:1:20",
+            &["has the indices 0 to 1", "expected an index from 0 to 2; 2 appends an item", "count from 0"],
+        ),
+        (
+            &["display.pixel.film.first.material=1.4"],
+            "--set #1:1:20",
+            &["an index is needed here", "expected an index from 0 to 2"],
+        ),
+        (
+            &["display.glass.index.n=1.4"],
+            "--set #1:1:21",
+            &["a number, which has no keys", "expected the end of the path", "remove this key"],
+        ),
         (&["nonsense"], "--set #1:1:1", &["not PATH=VALUE"]),
         (&["=1"], "--set #1:1:1", &["the path has an empty key"]),
-        (&["display..glass=1"], "--set #1:1:9", &["the path has an empty key"]),
+        (
+            &["display..glass=1"],
+            "--set #1:1:9",
+            &["the path has an empty key", "expected a key", "points separate the keys"],
+        ),
         (&["title=7"], "--set #1:1:7", &["a number", "expected a string"]),
         (
             &["display.pixel.film.2.thickness_nm=3"],
