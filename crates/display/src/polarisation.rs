@@ -14,7 +14,8 @@
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face, unless a sheet above reflects light back to it: sheets, given by their reflectance, are the
-//! same for both, but what they return to the face has its shares of s and p. Such a panel is computed as general layers ([`is_panel`]).
+//! same for both, but what they return to the face has its shares of s and p, which such a panel keeps
+//! ([`Stack::with_layers_of_each`]).
 
 use std::ops::Range;
 
@@ -298,7 +299,8 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
         true => with_azimuth(stack),
         false => stack,
     };
-    if weights.is_none() && (!is_followed(scene) || stack.panel().is_some()) {
+    let is_panel = stack.panel().is_some();
+    if weights.is_none() && (!is_followed(scene) || is_panel && !is_flat_paper(scene)) {
         return Ok(for_adding(stack));
     }
     if is_whole(scene) {
@@ -322,7 +324,7 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
         }
         (_, mirrors) => {
             let layers = in_runs(stack.layers(), [&of_s, &of_p], &runs);
-            let stack = stack.with_runs(layers, mirrors);
+            let stack = if is_panel { stack } else { stack.with_runs(layers, mirrors) };
             if is_flat_paper(scene) { stack.with_layers_of_each([of_s, of_p]) } else { stack }
         }
     })
@@ -379,7 +381,7 @@ fn is_whole_in_pages(scene: &Scene) -> bool {
 pub fn note_of_places(scene: &Scene) -> Option<String> {
     let meets_several = || match Meetings::of(scene) {
         Some(meetings) => meetings.mix(),
-        None => !is_panel(scene) && !runs(scene).is_empty(),
+        None => scene.display.panel().is_none() && !runs(scene).is_empty(),
     };
     let is_apart = is_flat_paper(scene) || is_whole_in_pages(scene);
     (is_followed(scene) && !is_apart && meets_several()).then(|| {
@@ -389,26 +391,11 @@ pub fn note_of_places(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Returns whether a scene is computed as the ordinary panel that its layers are: not where its face and its fronts
-/// return light to each other above paper, unless light counts as unpolarised. A colour filter requires a panel.
-pub(crate) fn is_panel(scene: &Scene) -> bool {
-    let is_in_runs = || {
-        is_followed(scene)
-            && is_lambertian(scene)
-            && scene.display.filter().is_none()
-            && !runs(scene).is_empty()
-    };
-    scene.display.panel().is_some() && !is_in_runs()
-}
-
-fn is_lambertian(scene: &Scene) -> bool {
-    matches!(&scene.display.pixel, Pixel::Uniform(UniformPixel { kind: UniformKind::Lambertian, .. }))
-}
-
-/// Returns whether all layers are flat and no ordinary panel, above a Lambertian pixel without colour filter.
-fn is_flat_paper(scene: &Scene) -> bool {
-    let display = &scene.display;
-    is_lambertian(scene) && display.filter().is_none() && display.panel().is_none() && display.is_flat()
+/// Returns whether all layers are flat above a Lambertian pixel.
+pub(crate) fn is_flat_paper(scene: &Scene) -> bool {
+    let is_paper =
+        matches!(&scene.display.pixel, Pixel::Uniform(UniformPixel { kind: UniformKind::Lambertian, .. }));
+    is_paper && scene.display.is_flat()
 }
 
 /// Returns whether the pixel is a liquid crystal below flat layers alone, so that polarised light is followed to the end.

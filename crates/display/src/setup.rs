@@ -322,7 +322,12 @@ impl Setup {
         }
         self.states = scene.display.state_names();
         let was_panel = self.stack.panel().is_some();
-        if !scene.display.has_layers_of(&last.display) || was_panel != polarisation::is_panel(scene) {
+        // s and p are kept apart above paper.
+        let paper_changed = polarisation::is_flat_paper(scene) != polarisation::is_flat_paper(&last);
+        if !scene.display.has_layers_of(&last.display)
+            || was_panel != scene.display.panel().is_some()
+            || paper_changed
+        {
             let bases = Bases {
                 mean: self.stack.base().clone(),
                 polarised: self.stack.polarised_bases().map(|both| both.map(Base::clone)),
@@ -489,12 +494,8 @@ fn stack(
         unrefracted: scene.solver.angle_medium == AngleMedium::Unrefracted,
     };
     let layers = layers(scene, before, Surfaces::Measured(control))?;
-    let stack = if scene.display.panel().is_some() && !polarisation::is_panel(scene) {
-        Stack::general(layers, mean)
-    } else {
-        let stack = Stack::approximated(layers, mean, approximation);
-        stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?
-    };
+    let stack = Stack::approximated(layers, mean, approximation);
+    let stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
     let mut stack = polarisation::kept(scene, stack, polarised)?;
     stack.set_mueller(mueller);
     stack.set_thickness_mm(&thickness_mm(scene));

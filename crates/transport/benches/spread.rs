@@ -35,6 +35,7 @@ fn panel() -> Panel {
     Panel {
         front: Front::none(BINS),
         polarisation: None,
+        keeps_s_and_p: false,
         top: Top::Diffuser(Diffuser { lobe, transmittance, regular_fraction: 0.0 }),
         medium: Medium::new(vec![1.5; BINS].into()),
         base: Base { reflector: Reflector::Specular(table), inactive_absorptance: vec![0.0; BINS].into() },

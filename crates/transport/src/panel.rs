@@ -2,11 +2,13 @@
 //! pixel). Both solvers are fastest for it. A [`Stack`](crate::Stack) recognises it among any layers, by the
 //! rule of [`PanelParts::recognised`].
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
+use crate::layers::fresnel_of;
 use crate::{Base, Component, Diffuser, FlatRun, Front, Interface, Layer, Medium, Mueller, WholeView};
 
 /// A front of screen, one surface or diffuser, clear glass and a base, as a [`Stack`](crate::Stack) shows it.
@@ -18,6 +20,8 @@ pub struct Panel {
     pub top: Top,
     /// The polarisation of the light, if it is one.
     pub polarisation: Option<Polarisation>,
+    /// Whether front and face keep s and p apart in the light that they return to each other, above a pixel that mixes both.
+    pub keeps_s_and_p: bool,
     /// The medium above the base.
     pub medium: Medium,
     /// Air below each component of the front of screen, outermost first, then the medium, mm.
@@ -138,6 +142,7 @@ impl Panel {
                 Interface::FresnelOf(polarisation) => Some(*polarisation),
                 _ => None,
             },
+            keeps_s_and_p: false,
             medium: match unrefracted {
                 true => Medium::new(index.map(|_| 1.0)),
                 false => medium.clone(),
@@ -157,6 +162,7 @@ impl Panel {
             front: Front::none(base.bins()),
             top: Top::Fresnel(medium.index().clone()),
             polarisation: None,
+            keeps_s_and_p: false,
             medium: medium.clone(),
             gaps_mm: Vec::new(),
             base,
@@ -164,6 +170,36 @@ impl Panel {
             mueller: None,
             whole: None,
             run: Some(run),
+        }
+    }
+
+    /// What front and face keep apart: s and p, or nothing but the polarisation of all light (`None`: unpolarised).
+    pub(crate) fn polarisations(&self) -> &[Option<Polarisation>] {
+        match self.keeps_s_and_p {
+            true => &[Some(Polarisation::S), Some(Polarisation::P)],
+            false => std::slice::from_ref(&self.polarisation),
+        }
+    }
+
+    /// Returns the panel for light of each of them.
+    pub(crate) fn of_each(&self) -> Vec<Cow<'_, Self>> {
+        let of = |one: &Option<Polarisation>| match self.keeps_s_and_p {
+            true => Cow::Owned(Self { polarisation: *one, keeps_s_and_p: false, ..self.clone() }),
+            false => Cow::Borrowed(self),
+        };
+        self.polarisations().iter().map(of).collect()
+    }
+
+    /// Returns the reflectance of the face above a medium of this index, for s and p; twice the mean of both if they are not
+    /// kept apart. `beta` is 0 to 1.
+    pub fn face_reflectances(&self, index: f64, beta: f64) -> [f64; 2] {
+        let of = |polarisation| match self.top {
+            Top::Fresnel(_) => fresnel_of(polarisation, [1.0, index], beta),
+            Top::IdealAr | Top::Diffuser(_) => 0.0,
+        };
+        match self.keeps_s_and_p {
+            true => [Polarisation::S, Polarisation::P].map(|one| of(Some(one))),
+            false => [of(None); 2],
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Light that is never scattered: its mirror images and its round trips, in closed form.
 
 use papilio_optics::Beta;
+use papilio_optics::film::Polarisation;
 use papilio_spectra::StateSpectra;
 
 use crate::front::Flat;
@@ -157,7 +158,7 @@ impl FlatTop {
     /// Sets the values for the surface alone.
     pub(crate) fn set_surface(&mut self, stack: &Panel, beta_squared: f64) {
         for bin in 0..self.t.len() {
-            let face = face(stack, beta_squared, bin);
+            let face = face(stack, stack.polarisation, beta_squared, bin);
             (self.t[bin], self.above[bin], self.below[bin]) = (face.t, face.above, face.below);
         }
     }
@@ -177,22 +178,29 @@ impl FlatTop {
             return;
         }
         let is_constant = !matches!(&stack.top, Top::Fresnel(index) if !index.is_constant());
-        let first = face(stack, beta_squared, 0);
+        let polarisations = stack.polarisations();
+        let faces = |bin: usize| {
+            let of = |number: usize| face(stack, polarisations[number], beta_squared, bin);
+            let first = of(0);
+            [first, if polarisations.len() > 1 { of(1) } else { first }]
+        };
+        let first = faces(0);
         for bin in 0..self.t.len() {
-            let face = if is_constant { first } else { face(stack, beta_squared, bin) };
+            let faces = if is_constant { first } else { faces(bin) };
             let front = stack.front.at(bin);
-            let both = if stack.single_pass { front.once_over(face) } else { front.over(face) };
+            let below = |face: Flat| if stack.single_pass { front.once_over(face) } else { front.over(face) };
+            let both = if polarisations.len() > 1 { Flat::mean(faces.map(below)) } else { below(faces[0]) };
             (self.t[bin], self.above[bin], self.below[bin]) = (both.t, both.above, both.below);
         }
     }
 }
 
-/// Returns the surface of a bare panel at one angle and wavelength.
+/// Returns the surface of a bare panel for light of a polarisation, at one angle and wavelength.
 #[inline]
-fn face(stack: &Panel, beta_squared: f64, bin: usize) -> Flat {
+fn face(stack: &Panel, polarisation: Option<Polarisation>, beta_squared: f64, bin: usize) -> Flat {
     match &stack.top {
         Top::Fresnel(index) if beta_squared <= 1.0 => {
-            let r = fresnel_of(stack.polarisation, [1.0, index[bin]], beta_squared.sqrt());
+            let r = fresnel_of(polarisation, [1.0, index[bin]], beta_squared.sqrt());
             Flat { t: 1.0 - r, above: r, below: r }
         }
         _ if beta_squared <= 1.0 => Flat { t: 1.0, above: 0.0, below: 0.0 },

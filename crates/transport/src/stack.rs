@@ -137,10 +137,13 @@ impl Stack {
     }
 
     /// The same stack with its layers for light of s and of p, all flat above a Lambertian pixel: light with its places
-    /// keeps them apart between two meetings with the pixel.
+    /// keeps them apart between two meetings with the pixel. In a panel, so does all light.
     #[must_use]
-    pub fn with_layers_of_each(self, both: [Vec<Layer>; 2]) -> Self {
+    pub fn with_layers_of_each(mut self, both: [Vec<Layer>; 2]) -> Self {
         debug_assert!(self.elements().all(|(kind, _)| !kind.scatters()) && !self.base().is_specular());
+        if let Form::Panel(panel) = &mut self.form {
+            panel.keeps_s_and_p = matches!(panel.top, Top::Fresnel(_)) && !panel.single_pass;
+        }
         Self { of_each: Some(Arc::new(both)), ..self }
     }
 
@@ -402,11 +405,21 @@ impl Stack {
     /// The same layers above glass, the lowest medium, that is clear, and the internal transmittance that it has
     /// had; `None` if it has absorbed nothing, or scatters.
     pub fn above_clear_glass(&self) -> Option<(Self, &Spectrum)> {
-        let (last, layers) = self.layers.split_last()?;
-        let transmittance = last.medium.transmittance().filter(|_| last.medium.scattering().is_none())?;
-        let clear = Layer { medium: Medium::new(last.medium.index().clone()), ..last.clone() };
-        let layers = layers.iter().cloned().chain([clear]).collect();
-        Some((Self::new(layers, self.base().clone()), transmittance))
+        let medium = &self.layers.last()?.medium;
+        let transmittance = medium.transmittance().filter(|_| medium.scattering().is_none())?;
+        let cleared = |layers: &Vec<Layer>| {
+            let mut layers = layers.clone();
+            if let Some(last) = layers.last_mut() {
+                last.medium = Medium::new(medium.index().clone());
+            }
+            layers
+        };
+        let stack = Self::new(cleared(&self.layers), self.base().clone());
+        let stack = match self.layers_of_each() {
+            Some(both) => stack.with_layers_of_each(both.each_ref().map(cleared)),
+            None => stack,
+        };
+        Some((stack, transmittance))
     }
 
     /// The `|beta|` beyond which the appearance from above is unknown: where the table of the first scatterer

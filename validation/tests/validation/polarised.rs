@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::result::RunResult;
-use papilio_display::spatial::{mtf, walk};
+use papilio_display::spatial::{Picture, Precision, crosstalk, mtf, picture, walk};
 use papilio_display::{Control, note_of_places, run};
 use papilio_scenario::{Resolved, Scenario, ScenarioErrors};
 use papilio_testing::{everyday, sized};
@@ -630,8 +630,90 @@ fn face_below_a_front_keeps_s_and_p_apart() {
         let expected = paper_below_sheets(all, 70.0, 0.02, [0.5; 2]);
         assert!((as_mean[1][1] / expected - 1.0).abs() > 0.004, "{} {expected}", as_mean[1][1]);
     }
-    let note = |all, set: &[&str]| note_of_places(&paper_with_front(all, false, set).scene);
-    assert!(note(fronts[0], &[]).is_some() && note(fronts[1], &[]).is_some());
-    assert!(note(&[[0.0, 0.1]], &[]).is_none() && note(&[], &[]).is_none());
-    assert!(note(fronts[0], &["display.glass.surface=ideal-ar"]).is_none());
+}
+
+/// Light with its places keeps s and p apart below a front and a face, too: the mean of pages, patterns, pictures, paths, and
+/// pixels below a clear colour filter, by the sum of this file.
+#[test]
+fn places_at_a_face_below_a_front_keep_s_and_p_apart() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let all = [[0.3, 0.0]];
+    let near = |what: &str, found: f64, expected: f64, most: f64| {
+        assert!((found / expected - 1.0).abs() < most, "{what}: {found} {expected}");
+    };
+    let views = [60.0, 70.0, 80.0];
+    let papers = [("white", 0.5), ("black", 0.02)];
+    // Light of faces is that of no paper.
+    let via = |theta_deg: f64, paper: f64| {
+        paper_below_sheets(&all, theta_deg, paper, [0.5; 2])
+            - paper_below_sheets(&all, theta_deg, 0.0, [0.5; 2])
+    };
+    let matrix = "display.matrix={pitch_um=10}";
+    let wide = "display.matrix={pitch_um=200}";
+    let fine = "pattern={kind=[\"stripes\"],period_mm=[0.002]}";
+    let exact = "solver.relative_error=1e-4";
+    let scenario = paper_with_front(&all, true, &[fine, exact]);
+    assert!(note_of_places(&scenario.scene).is_none());
+    let blur = mtf(&scenario.scene, &scenario.patterns, &control).unwrap();
+    for (view, theta_deg) in blur.views.iter().zip(views) {
+        for (name, paper) in papers {
+            let found = view.states.get(name).unwrap().Y_via_pixel;
+            near("mtf", found, via(theta_deg, paper), 1e-4);
+        }
+        // Fine stripes have the mean reflectance.
+        near("stripes", view.patterns[0].mean_Y_via_pixel, via(theta_deg, 0.26), 1e-3);
+    }
+    let scenario = paper_with_front(&all, false, &[wide, exact, "viewer.theta_deg=70"]);
+    let figures = crosstalk(&scenario.scene, " ", &control).unwrap();
+    let contrast = via(70.0, 0.5) / via(70.0, 0.02);
+    near("patch", figures.views[0].patterns[0].values.contrast_ratio_via_pixel.unwrap(), contrast, 1e-4);
+    let scenario = paper_with_front(&all, false, &[matrix, exact]);
+    let scene = &scenario.scene;
+    let page = |state: u8| Picture { count: [4, 4], states: vec![state; 16] };
+    // Pixels much smaller than the glass is thick.
+    let mixed = Picture { count: [2, 2], states: vec![0, 1, 1, 0] };
+    let shown = [page(0), page(1), mixed].map(|one| picture(scene, &one, Precision::FINE, &control).unwrap());
+    for (number, theta_deg) in views.into_iter().enumerate() {
+        let seen = shown.each_ref().map(|one| f64::from(one.views[number][0][1]));
+        let [white, black] = papers.map(|(_, paper)| paper_below_sheets(&all, theta_deg, paper, [0.5; 2]));
+        near("white page", seen[0], white, 1e-4);
+        near("black page", seen[1], black, 1e-4);
+        let both = shown[2].views[number].iter().map(|colour| f64::from(colour[1])).sum::<f64>() / 4.0;
+        near("pixels", both, paper_below_sheets(&all, theta_deg, 0.26, [0.5; 2]), 1e-3);
+    }
+    // Paths with places.
+    let uniform = papilio_transport::walk::places::Uniform { states: 2 };
+    let walked = walk::pattern(scene, &uniform, sized(1 << 15, 1 << 18), &control).unwrap();
+    for (walked, theta_deg) in walked.iter().zip(views) {
+        for (found, (_, paper)) in walked.via_pixel.iter().zip(papers) {
+            let expected = via(theta_deg, paper);
+            let most = 4.5 * found.standard_error + 2e-4 * expected;
+            assert!((found.value - expected).abs() < most, "{theta_deg} {paper}: {found:?} {expected}");
+        }
+    }
+    // A filter that absorbs nothing, far below the pitch above the pixels.
+    let filter = "display.matrix.filter={height_um=0.01,transmittance={red=1.0,green=1.0,blue=1.0}}";
+    let methods: [(&[&str], f64); 2] = [
+        (&["solver.method=adding", "solver.relative_error=1e-3"], 1e-3),
+        (&["solver.method=monte-carlo", sized("solver.paths=16384", "solver.paths=131072")], 4e-3),
+    ];
+    for (set, most) in methods {
+        let filtered = paper_with_front(&all, false, &[&[matrix, filter][..], set].concat());
+        let result = run(&filtered.scene, &control).unwrap();
+        for (view, theta_deg) in result.views.iter().zip(views) {
+            for (name, paper) in papers {
+                let found = view.states.get(name).unwrap().value.reflectance_factor.clone().unwrap()[1];
+                near(name, found, paper_below_sheets(&all, theta_deg, paper, [0.5; 2]), most);
+            }
+        }
+    }
+    // Glass that absorbs belongs to the filter.
+    let tinted =
+        ["display.glass.internal_transmittance=0.8", "solver.method=adding", "solver.relative_error=1e-3"];
+    let [with, without] = [&[matrix, filter][..], &[]].map(|more| {
+        let result = run(&paper_with_front(&all, false, &[more, &tinted].concat()).scene, &control).unwrap();
+        result.views[1].states.get("black").unwrap().value.Y
+    });
+    near("tinted", with, without, 1e-3);
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::interface::{fresnel_reflectance, fresnel_reflectance_p, fresnel_reflectance_s};
 use papilio_spectra::Spectrum;
 use papilio_transport::spatial::{
     Accuracy, Direction, PanelSpread, Part, SpreadError, diffuse_directions, diffused_directions,
@@ -138,18 +138,28 @@ impl Filtered<'_> {
 }
 
 impl Optics {
-    /// Reflectance of the face for light from below, below the critical angle.
-    pub(super) fn face(&self, beta: f64) -> f64 {
+    /// Reflectances of the face for light of s and of p from below, below the critical angle; twice the mean if they are not
+    /// kept apart.
+    pub(super) fn faces(&self, beta: f64) -> [f64; 2] {
         match self.panel.top {
-            Top::Fresnel(_) => fresnel_reflectance(self.index, 1.0, beta),
-            Top::IdealAr | Top::Diffuser(_) => 0.0,
+            Top::Fresnel(_) if self.panel.keeps_s_and_p => {
+                [fresnel_reflectance_s, fresnel_reflectance_p].map(|of| of(self.index, 1.0, beta))
+            }
+            Top::Fresnel(_) => [fresnel_reflectance(self.index, 1.0, beta); 2],
+            Top::IdealAr | Top::Diffuser(_) => [0.0; 2],
         }
+    }
+
+    /// Their mean.
+    pub(super) fn face(&self, beta: f64) -> f64 {
+        let [s, p] = self.faces(beta);
+        0.5 * (s + p)
     }
 
     /// Fraction of diffuse light that passes face and front, relative to that of the front alone.
     fn passes(&self, beta: f64) -> f64 {
-        let face = self.face(beta);
-        (1.0 - face) / (1.0 - face * self.front)
+        let [s, p] = self.faces(beta).map(|face| (1.0 - face) / (1.0 - face * self.front));
+        0.5 * (s + p)
     }
 }
 

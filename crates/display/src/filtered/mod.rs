@@ -127,7 +127,11 @@ impl<'a> Filtered<'a> {
         };
         let Some(panel) = stack.panel_by_direction() else { return Err(Refused::FilterBelowLayers.into()) };
         // What is known of its layers over a white page, above a pixel that depends on azimuth, too.
-        let stack = Stack::new(stack.layers().to_vec(), white(scene.grid.len(), 1.0));
+        let page = white(scene.grid.len(), 1.0);
+        let stack = match panel.base.is_specular() {
+            true => Stack::new(stack.layers().to_vec(), page),
+            false => stack.with_base(page),
+        };
         let (front, is_diffused) = (&panel.front.reflectance_below, matches!(panel.top, Top::Diffuser(_)));
         let refused = [
             (scene.display.pixel_spread().is_some() && !is_of_stripes(matrix), Refused::SpreadBelowFilter),
@@ -220,7 +224,8 @@ impl<'a> Filtered<'a> {
             let face = |beta: f64| optics.face(beta);
             let mut planes = TwoPlanes::with_cells(&pixels, returns.then_some(&face), level as u32, division);
             if returns && optics.front > 0.0 {
-                planes.add_front((self.thickness_mm(), self.gap_mm), optics.front, &face, level as u32);
+                let faces = |beta: f64| optics.faces(beta);
+                planes.add_front((self.thickness_mm(), self.gap_mm), optics.front, &faces, level as u32);
             }
             planes
         };

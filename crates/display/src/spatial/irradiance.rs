@@ -263,12 +263,16 @@ pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
     let beta = lit.view.field.axis_towards();
     let way = displacement(beta, 2.0 * air_mm, 1.0);
     let bins = lit.panel.base.bins();
-    let between: Vec<f64> = (0..bins).map(|bin| lit.faces(bin, beta).iter().product()).collect();
-    let largest = if way == [0.0; 2] { 0.0 } else { between.iter().copied().fold(0.0, f64::max) };
+    let between: Vec<[(f64, f64); 2]> = (0..bins).map(|bin| lit.between(bin, beta)).collect();
+    let all = between.iter().flatten().map(|(between, _)| *between);
+    let largest = if way == [0.0; 2] { 0.0 } else { all.fold(0.0, f64::max) };
     let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
     let one = |k: usize| {
         let last = k + 1 == count;
-        let fraction = |between: &f64| between.powi(k as i32) * if last { 1.0 } else { 1.0 - between };
+        let fraction = |(between, share): (f64, f64)| {
+            share * (between.powi(k as i32) * if last { 1.0 } else { 1.0 - between })
+        };
+        let fraction = |both: &[(f64, f64); 2]| both.map(fraction).iter().sum();
         (way.map(|way| k as f64 * way), between.iter().map(fraction).collect())
     };
     Ok((0..count).map(one).collect())

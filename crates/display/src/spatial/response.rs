@@ -196,6 +196,19 @@ impl Lit<'_> {
         let front = if self.panel.single_pass { 0.0 } else { self.panel.front.reflectance_below[bin] };
         [face_reflectance(self.panel, bin, beta.length()), front]
     }
+
+    /// Fraction of light between face and front that is reflected by both, for s and p, and the share of each in what
+    /// leaves towards a view, at a wavelength; halves of the mean if they are not kept apart.
+    pub(super) fn between(&self, bin: usize, beta: Beta) -> [(f64, f64); 2] {
+        let [face, front] = self.faces(bin, beta);
+        if !self.panel.keeps_s_and_p {
+            return [(face * front, 0.5); 2];
+        }
+        let faces = self.panel.face_reflectances(self.panel.medium.index()[bin], beta.length());
+        let leaves = faces.map(|face| (1.0 - face) / (1.0 - face * front));
+        let all = leaves[0] + leaves[1];
+        [0, 1].map(|k| (faces[k] * front, if all > 0.0 { leaves[k] / all } else { 0.5 }))
+    }
 }
 
 /// Reflectance of the face above the pixel for light from below, at a wavelength.

@@ -5,10 +5,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::scene::Approximation;
+use papilio_display::Control;
 use papilio_display::spatial::walk::{self, Mean};
 use papilio_display::spatial::{MtfResult, SpatialScalars, crosstalk, mtf};
-use papilio_display::{Control, note_of_places};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_testing::{everyday, seeds};
 use papilio_transport::walk::places::{Shape, TwoStates};
@@ -198,13 +197,7 @@ fn front_lights_have_the_colours_of_a_run() {
             MATRIX,
             "[solver]\nrelative_error = 1e-5\n",
         ]);
-        let mut scene = scenario.scene.clone();
-        // Between front and face above paper, light with its places counts as unpolarised, and says so.
-        if pixel == PAPER {
-            assert!(note_of_places(&scene).is_some());
-            scene.solver.approximation = Approximation::Unpolarised;
-        }
-        let colours = common::run(&scene).unwrap();
+        let colours = common::run(&scenario.scene).unwrap();
         let result = computed(&scenario);
         for (name, state) in result.views[0].states.iter() {
             let terms = &colours.views[0].states.get(name).unwrap().value.terms;

@@ -44,30 +44,34 @@ pub(super) fn in_directions(
     most_orders: usize,
 ) -> Vec<Part> {
     let bins = panel.base.bins();
-    let (mut flat, mut face) = (FlatTop::new(bins), FlatTop::new(bins));
+    let each = panel.of_each();
+    // Front and face together, and the face alone.
+    let mut tops: Vec<[FlatTop; 2]> = each.iter().map(|_| [0, 1].map(|_| FlatTop::new(bins))).collect();
     let mut parts = Vec::new();
     for point in points {
-        flat.set(panel, point.beta.squared());
-        face.set_surface(panel, point.beta.squared());
-        let between: Vec<f64> = face
-            .above
-            .iter()
-            .zip(panel.front.reflectance_below.iter())
-            .map(|(face, front)| face * front)
-            .collect();
-        let is_apart = heights.front_mm > 0.0 && between.iter().any(|between| *between > 0.0);
+        for (one, [flat, face]) in each.iter().zip(&mut tops) {
+            flat.set(one, point.beta.squared());
+            face.set_surface(one, point.beta.squared());
+        }
+        let between = |face: &FlatTop, bin: usize| face.above[bin] * panel.front.reflectance_below[bin];
+        let is_apart = heights.front_mm > 0.0
+            && tops.iter().any(|[_, face]| (0..bins).any(|bin| between(face, bin) > 0.0));
         let orders = if is_apart { most_orders } else { 1 };
         let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
         for (index, group) in by_index(panel) {
             for order in 0..orders {
                 // Fraction of what leaves that does so in this order.
-                let part = |bin: usize| {
+                let part = |between: f64| {
                     let last = order + 1 == orders;
-                    between[bin].powi(order as i32) * if last { 1.0 } else { 1.0 - between[bin] }
+                    between.powi(order as i32) * if last { 1.0 } else { 1.0 - between }
                 };
                 let through = |bin: usize| {
-                    let entering = light.map_or(flat.t[bin], |light| light[bin]);
-                    if group.contains(&bin) { entering * flat.t[bin] * part(bin) } else { 0.0 }
+                    let of = |[flat, face]: &[FlatTop; 2]| {
+                        let entering = light.map_or(flat.t[bin], |light| light[bin]);
+                        entering * flat.t[bin] * part(between(face, bin))
+                    };
+                    let all = || tops.iter().map(of).sum::<f64>() / tops.len() as f64;
+                    if group.contains(&bin) { all() } else { 0.0 }
                 };
                 let place_mm = air.map(|air| order as f64 * air);
                 parts.push(Part {

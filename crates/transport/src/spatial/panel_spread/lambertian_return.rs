@@ -9,8 +9,6 @@
 
 use std::sync::Arc;
 
-use papilio_optics::interface::fresnel_reflectance;
-
 use super::super::face::{FrontReturn, POINTS_OF_TABLE, chebyshev, clenshaw};
 use super::super::{Accuracy, FaceReturn};
 use super::{Heights, SpreadError, lobe_return};
@@ -84,7 +82,7 @@ impl LambertianReturn {
             }
             let known = all.iter().find(|one| one.index == index[bin]).map(|one| one.face.clone());
             let face = known.unwrap_or_else(|| {
-                let passes = |beta: f64| 1.0 - face_reflectance(panel, index[bin], beta);
+                let passes = |beta: f64| 1.0 - mean(panel.face_reflectances(index[bin], beta));
                 let face = || FaceReturn::new(index[bin], heights.glass_mm, accuracy.most_per_mm, passes);
                 (!matches!(panel.top, Top::Diffuser(_))).then(|| face().tabulated())
             });
@@ -121,12 +119,8 @@ impl LambertianReturn {
     }
 }
 
-/// Reflectance of the face for light from below, in air.
-fn face_reflectance(panel: &Panel, index: f64, beta: f64) -> f64 {
-    match panel.top {
-        Top::Fresnel(_) => fresnel_reflectance(1.0, index, beta),
-        Top::IdealAr | Top::Diffuser(_) => 0.0,
-    }
+fn mean([s, p]: [f64; 2]) -> f64 {
+    0.5 * (s + p)
 }
 
 /// Tabulates the orders between the face and a front that reflects everything; the factor of the front is
@@ -139,11 +133,12 @@ fn orders(panel: &Panel, index: f64, heights: Heights, largest: f64) -> Arc<[Tab
     };
     let of = |order: usize| {
         let lengths = [heights.glass_mm, order as f64 * heights.front_mm];
-        let weight = |beta: f64| {
-            let r = face_reflectance(panel, index, beta);
+        // The pixel mixes what it reflects.
+        let weight = |r: f64| {
             let rest = if order == count { 1.0 / (1.0 - r * largest) } else { 1.0 };
             (1.0 - r).powi(2) * r.powi(order as i32 - 1) * rest
         };
+        let weight = |beta: f64| mean(panel.face_reflectances(index, beta).map(weight));
         let length = lengths[0] + lengths[1];
         let rules = RULES.map(|most| FrontReturn::new(index, lengths, most / length, weight));
         Tabulated::new(length, |rule, f| rules[rule].at(f))

@@ -172,12 +172,12 @@ impl TwoPlanes {
         planes
     }
 
-    /// Adds the light that a front of screen above an air gap returns through the face.
+    /// Adds the light that a front of screen above an air gap returns through the face, of these reflectances for s and p.
     pub fn add_front(
         &mut self,
         (thickness_mm, gap_mm): (f64, f64),
         reflectance: f64,
-        face: &dyn Fn(f64) -> f64,
+        face: &dyn Fn(f64) -> [f64; 2],
         level: u32,
     ) {
         let count = self.cells.count();
@@ -187,10 +187,14 @@ impl TwoPlanes {
         // Order k is reflected k times by the front, the last one standing for all that follow.
         let orders = (1..MOST_ORDERS).find(|k| reflectance.powi(*k) < FAINTEST).unwrap_or(MOST_ORDERS);
         for order in 1..=orders {
-            let weight = |beta: f64| {
-                let (r, rest) = (face(beta), if order == orders { 1.0 } else { 0.0 });
+            let of = |r: f64| {
+                let rest = if order == orders { 1.0 } else { 0.0 };
                 let following = 1.0 - rest + rest / (1.0 - r * reflectance);
                 (1.0 - r).powi(2) * r.powi(order - 1) * reflectance.powi(order) * following
+            };
+            let weight = |beta: f64| {
+                let [s, p] = face(beta).map(of);
+                0.5 * (s + p)
             };
             let lengths = [thickness_mm, f64::from(order) * gap_mm];
             let rings = front_rings(self.index, (lengths, finest), (level, is_plane), weight);
