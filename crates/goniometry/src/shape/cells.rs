@@ -1,7 +1,6 @@
 //! Cells of one incidence, folded onto a half plane, and the best width of the abscissa.
 
 use super::abscissa;
-use super::line::Line;
 use crate::{Direction, SpecularGrid};
 
 /// Angles that differ by less than this are equal, degrees.
@@ -162,7 +161,10 @@ pub(super) fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cel
     cells
 }
 
-/// Width with which points best predict those between them, weighted by their light.
+/// Width with which the line through its two neighbours best predicts each point, weighted by their light.
+///
+/// All points count, and straight lines: a parabola through every other point has a second width with which it
+/// happens to meet the one point that has most of the light, if steps are as large as the lobe.
 pub(super) fn best_width(cells: &[Cells]) -> f64 {
     let score = |width: f64| -> f64 {
         let lines = cells.iter().flat_map(|cells| &cells.lines);
@@ -174,17 +176,19 @@ pub(super) fn best_width(cells: &[Cells]) -> f64 {
     best.map_or(1.0, |(width, _)| width)
 }
 
-/// Light of the differences between points and a line through every other point.
+/// Light of the differences between points and the straight lines between their neighbours, of the logarithm
+/// unless one of them is dark.
 fn missed(points: &[[f64; 2]], width: f64) -> f64 {
-    let x: Vec<f64> = points.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
-    let values: Vec<f64> = points.iter().map(|[_, f]| *f).collect();
-    let coarse = Line::new(x, &values).coarser();
-    let between = points.iter().enumerate().skip(1).step_by(2);
-    between
-        .filter(|(k, _)| k + 1 < points.len())
-        .map(|(k, [delta, f])| {
-            let area = delta * (points[k + 1][0] - points[k - 1][0]);
-            (area * (coarse.value(abscissa(*delta, width)) - f)).abs()
-        })
-        .sum()
+    let of_point = |three: &[[f64; 2]]| {
+        let [x, next, last] = [0, 1, 2].map(|k| abscissa(three[k][0], width));
+        let t = (next - x) / (last - x);
+        let (before, after) = (three[0][1].max(0.0), three[2][1].max(0.0));
+        let predicted = match before > 0.0 && after > 0.0 {
+            true => ((1.0 - t) * before.ln() + t * after.ln()).exp(),
+            false => (1.0 - t) * before + t * after,
+        };
+        let area = three[1][0] * (three[2][0] - three[0][0]);
+        (area * (predicted - three[1][1])).abs()
+    };
+    points.windows(3).map(of_point).sum()
 }

@@ -9,7 +9,7 @@
 //!   moves, and is not doubled.
 //! - **They are bell-shaped with power-law or Gaussian tails.** ln f as a function of `ln(1 + (|delta|/w)^2)`
 //!   is a straight line for any power law with its own w, and for a Gaussian if w is large. The data
-//!   determine the w with which every other point best predicts the points between.
+//!   determine the w with which the neighbours of each point best predict it.
 //!
 //! Samples are assumed to be isotropic and mirror symmetric about the plane of incidence. Deviations in a
 //! file are averaged, and [`Shape::asymmetry`] reports their size.
@@ -373,6 +373,28 @@ mod tests {
                 assert!(error.abs() < 2e-4, "{width}, {k}: {error}");
                 assert!(error.abs() < coarse.grid_error(k) + 1e-7, "{width}, {k}: {error}");
             }
+        }
+    }
+
+    /// Lobes about as wide as the steps of their grid, against the closed form of their total along the normal.
+    #[test]
+    fn steps_as_large_as_the_lobe_determine_its_total() {
+        for (step_deg, ratio) in [1.0, 2.0, 5.0]
+            .into_iter()
+            .flat_map(|step| (0..20).map(move |k| (step, 0.7 + 0.05 * f64::from(k))))
+        {
+            let mut grid = grid(step_deg);
+            grid.incidences_deg = vec![0.0];
+            let width = ratio * f64::to_radians(step_deg).sin();
+            let shape = Shape::of_grid(&grid, &measured(&grid, k_correlation(width)), Fill::None);
+            let total = 1.0 - width / width.hypot(1.0);
+            let error = shape.total(0) / total - 1.0;
+            let claimed = shape.grid_error(0);
+            assert!(
+                error.abs() < 2.5e-3 && error.abs() < claimed + 1e-5,
+                "{step_deg}, {ratio}: {error} {claimed}"
+            );
+            assert!((shape.width() / width).ln().abs() < 0.25, "{step_deg}, {ratio}: {}", shape.width());
         }
     }
 

@@ -125,7 +125,7 @@ fn points(event: &ScatterEvent<'_>, source: &Source) -> Option<Vec<Beta>> {
     let centre = source.direction()?;
     let Source::Disc(cone) = source else { return Some(vec![centre]) };
     let ratio = event.density(centre, centre)? / event.density(centre, -cone.sample_towards([1.0, 0.0]))?;
-    if !(ratio * SMALL > 1.0) {
+    if ratio.is_nan() || ratio * SMALL <= 1.0 {
         return Some(vec![centre]);
     }
     // Of a k-correlation lobe, 1 + (r/w)².
