@@ -87,8 +87,25 @@ impl Extrapolation {
         }
     }
 
+    /// Returns the ratio of order `j` to its closed form from that of the last exact order: a power. Where light
+    /// is lost, the ratio decreases less than a power: between two directions on the rim itself, 1/n of the light
+    /// of n passes remains (Sparre Andersen 1953: a random walk of n steps that returns to its level stays on one
+    /// side of it with this probability).
+    pub(super) fn extrapolated(self, ratio: f64, j: usize, last: usize) -> f64 {
+        let exponent = self.exponent(j, last);
+        if exponent == 0.0 {
+            1.0
+        } else if ratio < 1.0 {
+            ratio / (ratio + exponent * (1.0 - ratio))
+        } else if exponent == exponent.trunc() {
+            ratio.powi(exponent as i32)
+        } else {
+            ratio.powf(exponent)
+        }
+    }
+
     /// Returns the exponent for order `j`, relative to that of the last exact order, 2 or more.
-    pub(super) fn exponent(self, j: usize, last: usize) -> f64 {
+    fn exponent(self, j: usize, last: usize) -> f64 {
         let of = |j: usize| {
             let j = j as f64;
             match self {

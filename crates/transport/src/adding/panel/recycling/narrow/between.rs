@@ -5,15 +5,21 @@
 //! polar coordinates, with the radius stretched as for a rim ([`super::basis`]), and the azimuth counted from
 //! the line between both ends. If the centre of the disc is on that line, one half of the disc is the mirror
 //! image of the other, and only one is computed: the smooth function depends on the distances from the centre
-//! and from the ends. Weights at the ends complete the rule, so that linear functions along the line between
+//! and from the ends.
+//!
+//! From an end near the rim, the distance to the rim changes abruptly with the azimuth, at right angles to the
+//! radius; and what is lost beyond the rim is then as large as what the rule has to resolve around both ends.
+//! There the azimuth is stretched around these right angles, and each ray has one interval more.
+//!
+//! Weights at the ends complete the rule, so that linear functions along the line between
 //! them are integrated exactly over the plane: what it has to resolve is only how the smooth function differs
 //! from a linear one, and the rim.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use papilio_optics::Beta;
 
-use crate::numerics::quadrature::{Node, gauss};
+use crate::numerics::quadrature::{Node, Pole, gauss, points_for};
 
 /// Returns the density of a lobe of this width.
 #[inline(always)]
@@ -42,25 +48,37 @@ impl Between {
         let end_of_plane = (FAR / width).asinh();
         let axis = axis(ends);
         let is_mirrored = (axis.x * ends[0].y - axis.y * ends[0].x).abs() < ON_THE_LINE;
-        let computed = if is_mirrored { rays.div_ceil(2) } else { rays };
+        let is_near_rim = ends.iter().any(|end| {
+            let beyond = ((radius - end.length()) / width).max(1.0).ln();
+            rays as f64 * off_right_angle(*end, radius) + beyond < digits
+        });
+        // Between both ends, or where their peaks end.
+        let between = if is_near_rim {
+            (0.5 * (ends[1] - ends[0]).length() / width).max(PEAK).asinh()
+        } else {
+            end_of_plane
+        };
         for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-            for ray in 0..computed {
-                let (sin, cos) = (TAU * (ray as f64 + 0.5) / rays as f64).sin_cos();
-                let (cos, sin) = (axis.x * cos - axis.y * sin, axis.y * cos + axis.x * sin);
-                // That on the line is its own image.
-                let images = if is_mirrored && 2 * ray + 1 != rays { 2.0 } else { 1.0 };
-                let turn = images * TAU / rays as f64;
-                let along = end.x * cos + end.y * sin;
+            let directions = if is_near_rim {
+                rays_about_right_angles(end, axis, (radius, width), digits, is_mirrored)
+            } else {
+                even_rays(rays, axis, is_mirrored)
+            };
+            for (ray, turn) in directions {
+                let along = end.x * ray.x + end.y * ray.y;
                 let square = radius * radius - end.squared() + along * along;
                 let rim = ((square.max(0.0).sqrt() - along).max(0.0) / width).asinh();
-                for (from, to, out) in [(0.0, rim, &mut at), (rim, end_of_plane, &mut outside)] {
+                let edges = [0.0, rim.min(between), rim.max(between), end_of_plane];
+                for edge in edges.windows(2).filter(|edge| edge[0] < edge[1]) {
+                    let (from, to) = (edge[0], edge[1]);
+                    let out = if from < rim { &mut at } else { &mut outside };
                     for node in &unit {
                         let u = from + (to - from) * node.x;
                         let grown = u.exp();
                         let (sinh, cosh) = (0.5 * (grown - 1.0 / grown), 0.5 * (grown + 1.0 / grown));
                         let away = width * sinh;
                         let area = turn * away * width * cosh * (to - from) * node.weight;
-                        let at = Beta { x: end.x + away * cos, y: end.y + away * sin };
+                        let at = Beta { x: end.x + away * ray.x, y: end.y + away * ray.y };
                         let [own, other] = [cube(at, end), cube(at, other)];
                         out.push((at, area * other / (own + other)));
                     }
@@ -107,6 +125,58 @@ fn axis([one, other]: [Beta; 2]) -> Beta {
     Beta { x: along.x / length, y: along.y / length }
 }
 
+/// Returns a direction turned by an angle.
+fn turned(direction: Beta, angle: f64) -> Beta {
+    let (sin, cos) = angle.sin_cos();
+    Beta { x: direction.x * cos - direction.y * sin, y: direction.y * cos + direction.x * sin }
+}
+
+/// Returns directions at even angles from the axis and the angle of each; of those that are mirror images, one
+/// for both.
+fn even_rays(count: usize, axis: Beta, is_mirrored: bool) -> Vec<(Beta, f64)> {
+    let ray = |number: usize| {
+        // That on the line is its own image.
+        let images = if is_mirrored && 2 * number + 1 != count { 2.0 } else { 1.0 };
+        (turned(axis, TAU * (number as f64 + 0.5) / count as f64), images * TAU / count as f64)
+    };
+    (0..if is_mirrored { count.div_ceil(2) } else { count }).map(ray).collect()
+}
+
+/// Returns the distance from the real azimuths of the singularity of the distance to the rim: it is at right
+/// angles to the radius.
+fn off_right_angle(end: Beta, radius: f64) -> f64 {
+    (radius / end.length()).max(1.0).acosh()
+}
+
+/// Returns the same around the right angles to the radius of an end, where the distance to the rim changes
+/// abruptly: from them, angles are stretched as the radius is from a rim.
+fn rays_about_right_angles(
+    end: Beta,
+    axis: Beta,
+    (radius, width): (f64, f64),
+    digits: f64,
+    is_mirrored: bool,
+) -> Vec<(Beta, f64)> {
+    // Much nearer to the rim than the width, the width counts.
+    let off = off_right_angle(end, radius).clamp(0.5 * width, 1.0);
+    let quarter = (FRAC_PI_2 / off).asinh();
+    let each = 2.0 * Pole { at: 0.0, off: FRAC_PI_2 }.ellipse(0.0, quarter).ln();
+    let count = points_for(digits, each) + MORE_RAYS;
+    let length = end.length();
+    let outward = if length > SAME_PLACE { Beta { x: end.x / length, y: end.y / length } } else { axis };
+    let sides: &[f64] = if is_mirrored { &[1.0] } else { &[1.0, -1.0] };
+    let mut rays = Vec::with_capacity(4 * count);
+    for node in gauss(0.0, quarter, count) {
+        let (away, turn) = (off * node.x.sinh(), off * node.x.cosh() * node.weight);
+        for side in sides {
+            for angle in [FRAC_PI_2 - away, FRAC_PI_2 + away] {
+                rays.push((turned(outward, side * angle), turn * 2.0 / sides.len() as f64));
+            }
+        }
+    }
+    rays
+}
+
 /// Distance of the centre of the disc from the line between both ends below which it is on the line, and of
 /// ends at the same place.
 const ON_THE_LINE: f64 = 1e-9;
@@ -114,7 +184,11 @@ const SAME_PLACE: f64 = 1e-9;
 
 const RAYS_A_DIGIT: f64 = 2.0;
 const FEWEST_RAYS: usize = 6;
+/// Rays in each quarter in addition to those that its singularity requires.
+const MORE_RAYS: usize = 3;
 const STEPS_A_DIGIT: f64 = 1.0;
 const FEWEST_STEPS: usize = 3;
+/// Distance, in widths, at which the peak around an end is over.
+const PEAK: f64 = 2.0;
 /// Distance beyond which hardly anything is left of a product of two lobes.
 const FAR: f64 = 30.0;

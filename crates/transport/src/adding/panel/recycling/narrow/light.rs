@@ -109,10 +109,7 @@ impl Light {
         };
         let ratios: Vec<f64> = orders[last].iter().zip(&closed).map(ratio).collect();
         for (k, order) in orders.iter_mut().enumerate().skip(last + 1) {
-            let exponent = self.extrapolation.exponent(k + 2, last + 2);
-            let factor = |ratio: f64| {
-                if exponent == exponent.trunc() { ratio.powi(exponent as i32) } else { ratio.powf(exponent) }
-            };
+            let factor = |ratio: f64| self.extrapolation.extrapolated(ratio, k + 2, last + 2);
             order.iter_mut().zip(&ratios).for_each(|(order, ratio)| *order *= factor(*ratio));
         }
     }

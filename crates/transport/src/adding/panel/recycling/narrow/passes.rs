@@ -7,9 +7,11 @@
 //!
 //! Divided by the lobe of all its passes, such light is itself smooth: it differs from the closed form
 //! ([`super`]) by the order of b, and around the rim, over a distance of b, by what is lost there. The
-//! difference is interpolated between a few directions, for the third pass and for fields.
+//! difference is interpolated between a few directions, for the third pass and for fields. Between two
+//! directions near the rim it also changes with the azimuth between them, over a distance of b: for the third
+//! pass, azimuths are stretched as radii are ([`Azimuths`]). Fields have few orders of azimuth instead.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use papilio_optics::{Beta, with_widest_simd};
 
@@ -24,6 +26,7 @@ use super::shares;
 use crate::adding::panel::first_pass::Pass;
 use crate::adding::panel::lobes::LANES;
 use crate::light::cone_points::Point;
+use crate::numerics::quadrature::Pole;
 
 /// Two or three passes through the panel, in terms of the reflectance.
 #[derive(Debug, Clone)]
@@ -34,11 +37,49 @@ pub(super) struct Passes {
     pub(super) digits: f64,
     /// For two passes, and for three, the fractions of light that meets 0, 1, ... lobes.
     shares: Vec<Vec<f64>>,
-    /// |beta| and cosines of azimuths between which differences from the closed form are interpolated.
+    /// |beta| between which differences from the closed form are interpolated, and azimuths: of the third pass,
+    /// and cosines for fields.
     pub(super) rings: Basis,
+    azimuths: Azimuths,
     pub(super) turns: Polynomials,
     /// Products of terms.
     places: Places,
+}
+
+/// Azimuths between which even functions are interpolated that change over a distance of the lobe's width, on
+/// the rim, around azimuth 0: polynomials in u², where the distance is `width sinh u`.
+#[derive(Debug, Clone)]
+struct Azimuths {
+    width: f64,
+    polynomials: Polynomials,
+    cosines: Vec<f64>,
+}
+
+impl Azimuths {
+    fn new(width: f64, digits: f64) -> Self {
+        let end = (2.0 / width).asinh();
+        // Half of the nodes of an interval about azimuth 0, with the pole of the lobe.
+        let each = 2.0 * Pole { at: 0.0, off: FRAC_PI_2 }.ellipse(-end, end).ln();
+        let count = (digits / each).ceil() as usize + MORE_AZIMUTHS;
+        let node = |k: usize| end * (FRAC_PI_2 * (k as f64 + 0.5) / count as f64).cos();
+        let cosine = |k: usize| 1.0 - 0.5 * (width * node(k).sinh()).powi(2);
+        Self {
+            width,
+            polynomials: Polynomials::new((0..count).map(|k| node(k) * node(k)).collect()),
+            cosines: (0..count).map(cosine).collect(),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.cosines.len()
+    }
+
+    /// Computes the polynomials at the azimuth of this cosine.
+    #[inline(always)]
+    fn at(&self, cosine: f64, out: &mut [f64]) {
+        let u = ((2.0 - 2.0 * cosine).max(0.0).sqrt() / self.width).asinh();
+        self.polynomials.at(u * u, out);
+    }
 }
 
 /// What arrives on the way from one of the ends.
@@ -75,6 +116,7 @@ impl Passes {
             digits: plan.digits,
             shares: shares(pass.straight(), 2),
             rings: Basis::new(Disc::Air, width, digits_between, MORE_RINGS),
+            azimuths: Azimuths::new(width, digits_between),
             turns: Polynomials::new(chebyshev(turns).iter().map(|node| 2.0 * node.x - 1.0).collect()),
             places: Places::new(plan.terms, count as u32),
         }
@@ -105,7 +147,8 @@ impl Passes {
     fn around(&self, end: &End) -> Around {
         let mut there = end.clone();
         there.at = Beta { x: end.at.length(), y: 0.0 };
-        let differences = self.between_rings(2, |one| self.form(one, &Far::Once(&there)), &there);
+        let azimuths = &self.azimuths.cosines;
+        let differences = self.between_rings((2, azimuths), |one| self.form(one, &Far::Once(&there)), &there);
         Around { end: end.clone(), differences }
     }
 
@@ -113,19 +156,24 @@ impl Passes {
     /// directions.
     pub(super) fn differences_around(&self, end: &End) -> Vec<f64> {
         if self.count == 2 {
-            return self.between_rings(2, |one| self.form(one, &Far::Once(end)), end);
+            return self.between_rings((2, self.turns.nodes()), |one| self.form(one, &Far::Once(end)), end);
         }
         let around = self.around(end);
-        self.between_rings(3, |one| self.form(one, &Far::Twice(&around)), end)
+        self.between_rings((3, self.turns.nodes()), |one| self.form(one, &Far::Twice(&around)), end)
     }
 
     /// Returns the difference from the closed form of passes between `end` and a direction, at all rings and
-    /// azimuths.
-    fn between_rings(&self, count: usize, passes: impl Fn(&End) -> Vec<f64>, end: &End) -> Vec<f64> {
-        let mut all = Vec::with_capacity(self.rings.len() * self.turns.len() * self.sequences(count));
+    /// azimuths of these cosines.
+    fn between_rings(
+        &self,
+        (count, cosines): (usize, &[f64]),
+        passes: impl Fn(&End) -> Vec<f64>,
+        end: &End,
+    ) -> Vec<f64> {
+        let mut all = Vec::with_capacity(self.rings.len() * cosines.len() * self.sequences(count));
         for radius in &self.rings.radii {
             let mut one = self.once.end(Beta { x: *radius, y: 0.0 });
-            for cos in self.turns.nodes() {
+            for cos in cosines {
                 one.at = Beta { x: radius * cos, y: radius * (1.0 - cos * cos).max(0.0).sqrt() };
                 let mut form = passes(&one);
                 let scale = 1.0 / self.lobe(count, one.at - end.at);
@@ -260,7 +308,7 @@ impl Far<'_> {
 struct Workspace {
     here: Here,
     rings: Vec<f64>,
-    turns: Vec<f64>,
+    azimuths: Vec<f64>,
     /// Light of one pass, of the same without the last reflection, and from the other end; padded to a
     /// multiple of [`LANES`].
     near: Vec<f64>,
@@ -281,12 +329,12 @@ impl Workspace {
         let terms = of.once.terms();
         let (size, factors) = match far {
             Far::Once(_) => (terms, 0),
-            Far::Twice(_) => (of.sequences(2), of.rings.len() * of.turns.len()),
+            Far::Twice(_) => (of.sequences(2), of.rings.len() * of.azimuths.len()),
         };
         Self {
             here: of.once.here(),
             rings: vec![0.0; of.rings.len()],
-            turns: vec![0.0; of.turns.padded_len()],
+            azimuths: vec![0.0; of.azimuths.polynomials.padded_len()],
             near: vec![0.0; of.once.padded_terms()],
             once: vec![0.0; of.once.padded_terms()],
             far: vec![0.0; size.next_multiple_of(LANES)],
@@ -359,9 +407,9 @@ impl Workspace {
         add_closed(2, closed, both, &mut self.far[..terms * terms]);
         self.rings.fill(0.0);
         of.rings.add_values(self.here.at.length(), both, &mut self.rings);
-        of.turns.at(cosine_between(self.here.at, around.end.at), &mut self.turns);
-        for (ring, factors) in self.rings.iter().zip(self.factors.chunks_exact_mut(of.turns.len())) {
-            factors.iter_mut().zip(&self.turns).for_each(|(factor, turn)| *factor = ring * turn);
+        of.azimuths.at(cosine_between(self.here.at, around.end.at), &mut self.azimuths);
+        for (ring, factors) in self.rings.iter().zip(self.factors.chunks_exact_mut(of.azimuths.len())) {
+            factors.iter_mut().zip(&self.azimuths).for_each(|(factor, azimuth)| *factor = ring * azimuth);
         }
         if of.once.straight > 0.0 {
             self.once.fill(0.0);
@@ -412,3 +460,5 @@ const LARGEST_CLUSTER: f64 = 0.5;
 const DIGITS_OF_DIFFERENCES: f64 = 0.6;
 const MORE_RINGS: usize = 2;
 const DIGITS_A_TURN: f64 = 1.5;
+/// Azimuths of the third pass in addition to those that the lobe requires.
+const MORE_AZIMUTHS: usize = 1;
