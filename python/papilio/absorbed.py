@@ -202,7 +202,7 @@ def absorption(
         An `Absorption`, with arrays over states, sub-pixels, layers, angles and wavelengths.
 
     Raises:
-        DisplayError: if the pixel is not a film.
+        ScenarioError: if the pixel is not a film.
 
     Warns:
         PapilioWarning: each warning about the scenario; ``warnings`` of the result contains it.

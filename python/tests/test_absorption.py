@@ -27,7 +27,7 @@ def test_dataset_and_figure_name_the_layers(scenarios: Path) -> None:
 
 
 def test_pixel_without_film_is_refused(scenarios: Path) -> None:
-    with pytest.raises(papilio.DisplayError, match="no film"):
+    with pytest.raises(papilio.ScenarioError, match="no film"):
         papilio.absorption(scenarios / "epaper.toml")
 
 

@@ -526,7 +526,7 @@ impl Resolved {
                     "this pixel has no film whose layers absorb: its reflectance is given, not computed",
                 )
                 .expected("model = \"film\"")
-                .hint("leave out --absorption");
+                .hint("leave out the absorptance of its layers");
                 ("display.pixel.model", wrong.into())
             }
             DisplayError::Azimuth { what, key, hint } => {
