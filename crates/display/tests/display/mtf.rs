@@ -160,6 +160,24 @@ fn stripes_have_known_means() {
     assert_eq!(result.views[0].line_contrast.white_1_x, None);
 }
 
+/// Stripes that are fine against the glass: E = 1 + A * (rho E) solved on 1024 and 8192 cells (the same to 1e-9), with A by a
+/// quadrature of its own (numpy). What differs from it is within the stated error.
+#[test]
+fn fine_stripes_have_honest_errors() {
+    for (thickness_mm, period_mm, expected) in
+        [(0.5, 0.2, 0.220_468_16), (2.0, 0.5, 0.220_619_48), (2.0, 1.0, 0.220_464_62)]
+    {
+        let pattern = format!("[pattern]\nperiod_mm = [{period_mm}]\nkind = [\"stripes\"]\n");
+        let view = "[viewer]\ntheta_deg = 0\n";
+        let parts = [&glass("fresnel", thickness_mm), &paper(0.8, 0.05), MATRIX, DIFFUSE, view, &pattern];
+        let result = computed(&parts).unwrap();
+        let found = result.patterns[0];
+        // The expected values are rounded to 5e-9; what comes back of frequencies above 16 in a thickness is neglected.
+        near("mean", found.mean_Y_via_pixel, expected, found.error + 2e-8);
+        assert!(found.error < 1e-5, "{found:?}");
+    }
+}
+
 /// Fine checkerboards and stripes agree; coarse ones show pages.
 #[test]
 fn checkerboards_have_the_limits_of_stripes() {
