@@ -1,9 +1,9 @@
 //! Why a command failed, and the exit code.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use papilio_diagnostics::nearest;
 use papilio_formats::{FormatError, Problem};
+use papilio_scenario::near_file;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -50,31 +50,13 @@ pub(crate) enum Failure {
 fn with_hint(error: &FormatError) -> String {
     let mut wrong = error.problem.diagnostic();
     if let (Problem::Unreadable { .. }, None) = (&error.problem, &wrong.hint) {
-        let hint = match near_file(Path::new(&error.place.name)) {
+        let hint = match near_file(Path::new(&error.place.name), "") {
             Some(near) => format!("did you mean `{}`?", near.display()),
             None => "give the path of the file, from the current folder or from the root".to_owned(),
         };
         wrong = wrong.expected("a file that exists").hint(hint);
     }
     wrong.at(&error.place).to_string()
-}
-
-/// Largest number of names of a folder that are compared.
-const MOST_NAMES: usize = 10_000;
-
-/// The file in the folder of a missing file whose name is nearest to that of the file.
-fn near_file(path: &Path) -> Option<PathBuf> {
-    if path.exists() {
-        return None;
-    }
-    let folder = path.parent()?;
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let entries = std::fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
-    let files = entries.filter(|entry| entry.path().is_file());
-    let mut names: Vec<String> = files.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.sort();
-    let near = nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str))?;
-    Some(folder.join(near))
 }
 
 impl Failure {

@@ -124,7 +124,7 @@ impl ScenarioError {
     pub(crate) fn unread(path: &Path, error: FormatError, example: &str) -> Self {
         let mut unread = Self::from(error);
         if unread.kind == MistakeKind::Unreadable {
-            let hint = match near_file(path) {
+            let hint = match near_file(path, ".toml") {
                 Some(near) => format!("did you mean `{}`?", near.display()),
                 None => format!("give the path of a {example}"),
             };
@@ -141,26 +141,28 @@ pub(crate) const EXAMPLE_SURFACE: &str = "surface, for example surfaces/hemisphe
 /// Largest number of names of a folder that are compared.
 const MOST_NAMES: usize = 10_000;
 
-/// The scenario in the folder of a missing file whose name is nearest to that of the file.
-fn near_file(path: &Path) -> Option<PathBuf> {
+/// Returns the file in the folder of a missing file whose name is nearest to that of the file, of those with this ending, such as
+/// `.toml`; all files if it is empty.
+pub fn near_file(path: &Path, ending: &str) -> Option<PathBuf> {
     if path.exists() {
         return None;
     }
     let folder = path.parent()?;
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let entries = std::fs::read_dir(here).ok()?.take(MOST_NAMES).flatten();
-    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let mut names: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
+    let files = entries.filter(|entry| entry.path().is_file());
+    let names = files.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut names: Vec<String> = names.filter(|name| name.ends_with(ending)).collect();
     names.sort();
     // Without the ending, which all have.
-    let bare = |name: &'_ str| name.strip_suffix(".toml").unwrap_or(name).to_owned();
+    let bare = |name: &'_ str| name.strip_suffix(ending).unwrap_or(name).to_owned();
     let wrong = bare(path.file_name()?.to_str()?);
     let known: Vec<String> = names.iter().map(|name| bare(name)).collect();
     let near = match known.contains(&wrong) {
         true => wrong,
         false => nearest(&wrong, known.iter().map(String::as_str))?.to_owned(),
     };
-    Some(folder.join(format!("{near}.toml")))
+    Some(folder.join(format!("{near}{ending}")))
 }
 
 impl From<FormatError> for ScenarioError {

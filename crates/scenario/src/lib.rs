@@ -91,7 +91,7 @@ pub use browse::{
     material_sheet, materials, materials_like, with_catalogue_tables,
 };
 pub use edit::{Edit, edit};
-pub use error::{ScenarioError, ScenarioErrors};
+pub use error::{ScenarioError, ScenarioErrors, near_file};
 pub use fit::{Fit, FitDeviations, FitTarget, FitVariable};
 pub use here::relative_path;
 pub use labels::label;
