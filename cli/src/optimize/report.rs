@@ -4,7 +4,7 @@ use papilio_design::output::{SearchReport, is_at_end};
 use papilio_design::search::{FEASIBLE, Search, SearchResult, SelectedDesign};
 use papilio_diagnostics::number;
 use papilio_formats::sweep_value;
-use papilio_scenario::{SearchAim, SearchRange, label};
+use papilio_scenario::{SearchAim, SearchRange, label, variable_label};
 use serde_json::{Value, json};
 
 use super::check::SolverComparison;
@@ -34,7 +34,7 @@ fn best_design(search: &Search, best: &SelectedDesign) -> String {
         };
         let own = variable.own.map_or("-".to_owned(), |_| value(search, index, own[index]));
         rows.push(vec![
-            label(&variable.name).to_string(),
+            variable_label(&variable.name).to_string(),
             own,
             value(search, index, best.design[index]),
             range,
@@ -91,7 +91,7 @@ fn aims(search: &Search, name: &str, found: Option<f64>) -> String {
 /// A row for each design of the Pareto front.
 fn front(search: &Search, chosen: &[SelectedDesign]) -> String {
     let quantities = search.study().quantities.iter().map(|one| label(&one.name).to_string());
-    let variables = search.spec().variables.iter().map(|one| label(&one.name).to_string());
+    let variables = search.spec().variables.iter().map(|one| variable_label(&one.name).to_string());
     let titles: Vec<String> = ["design".to_owned()].into_iter().chain(quantities).chain(variables).collect();
     let mut rows = headings(&titles);
     let (own, own_values) = search.own();

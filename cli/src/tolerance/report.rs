@@ -1,9 +1,8 @@
 //! Report of a tolerance analysis on the terminal.
 
 use papilio_design::tolerance::{Estimate, Indices, MetricReport, PERCENTILES, Production, Report};
-use papilio_display::capitalised;
 use papilio_formats::sweep_value;
-use papilio_scenario::label;
+use papilio_scenario::{label, variable_label};
 
 use crate::numbers::has_errors;
 use crate::{numbers, report};
@@ -102,7 +101,7 @@ fn spreads(found: &Report) -> Vec<Vec<String>> {
 }
 
 fn sensitivities(found: &Report) -> Vec<Vec<String>> {
-    let quantity = |name: &String| capitalised(&label(name).quantity);
+    let quantity = |name: &String| variable_label(name).quantity;
     let groups = found.groups.iter().map(|group| group.iter().map(quantity).collect::<Vec<_>>().join(" + "));
     let titles: Vec<String> = ["metric".to_owned()].into_iter().chain(groups).collect();
     let mut rows = report::headings(&titles);
@@ -143,7 +142,7 @@ fn rounded_indices(one: &Indices) -> [String; 2] {
 
 fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {
     let names =
-        production.study().variables.iter().map(|variable| capitalised(&label(&variable.name).to_string()));
+        production.study().variables.iter().map(|variable| variable_label(&variable.name).to_string());
     let titles = ["sample", "violates", "by"].map(str::to_owned).into_iter();
     let mut rows = report::headings(&titles.chain(names).collect::<Vec<_>>());
     for one in found.worst.iter().take(MOST_WORST) {

@@ -71,6 +71,25 @@ pub fn label(name: &str) -> Label {
     found.unwrap_or_else(|| Label::new(name, ""))
 }
 
+/// Returns the label of a variable of a study, by its name: the path of its key, or a name of the user's own,
+/// which does not become the quantity of a key that happens to have the same name.
+///
+/// ```
+/// use papilio_scenario::variable_label;
+///
+/// assert_eq!(variable_label("viewer.theta_deg").to_string(), "Viewing angle (deg)");
+/// assert_eq!(variable_label("gap_nm").to_string(), "Gap (nm)");
+/// assert_eq!(variable_label("n").to_string(), "n");
+/// ```
+pub fn variable_label(name: &str) -> Label {
+    match name {
+        path if path.contains('.') => label(path),
+        // A letter is a symbol.
+        letter if letter.chars().count() == 1 => Label::new(letter, ""),
+        words => label_from_name(words),
+    }
+}
+
 /// Returns the label of a key at a path; `None` for texts that are no paths.
 fn key_label(path: &str) -> Option<Label> {
     let path = KeyPath::new(path);

@@ -94,7 +94,7 @@ pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors, near_file};
 pub use fit::{Fit, FitDeviations, FitTarget, FitVariable};
 pub use here::relative_path;
-pub use labels::label;
+pub use labels::{label, variable_label};
 pub use library::{Library, MemoryFile};
 pub use memo::ResolveCache;
 pub use migrate::{Migrated, RenamedPlace, migrate};

@@ -138,8 +138,30 @@ fn ends(
     None
 }
 
+/// Standard deviations from the centre beyond which a truncated distribution has no part: 3e-7 of all displays.
+const FARTHEST: f64 = 5.0;
+
+/// Refuses ends, in standard deviations from the centre, that exclude practically all displays.
+fn check_near(
+    ends: [f64; 2],
+    (centre, value): (&str, f64),
+    place: Origin,
+    errors: &mut Errors,
+) -> Option<()> {
+    if ends[0] <= FARTHEST && ends[1] >= -FARTHEST {
+        return Some(());
+    }
+    let wrong =
+        format!("`from` and `to` exclude practically all displays: the {centre}, {value}, is far outside");
+    let hint = "they are values of the key, and factors of its value with relative = true, not differences";
+    errors.push(place, Diagnostic::new(wrong).hint(hint));
+    None
+}
+
 fn normal(one: &Normal, mean: f64, errors: &mut Errors) -> Option<Distribution> {
     let within = ends(&one.from, &one.to, [f64::NEG_INFINITY, f64::INFINITY], errors)?;
+    let far = within.map(|end| (end - mean) / one.sigma.0);
+    check_near(far, ("mean", mean), one.to.origin.max(one.from.origin), errors)?;
     Some(Distribution::Normal { mean, sigma: one.sigma.0, within })
 }
 
@@ -152,6 +174,8 @@ fn lognormal(one: &LogNormal, median: f64, errors: &mut Errors) -> Option<Distri
         );
         return None;
     }
+    let far = within.map(|end| (end / median).ln() / one.sigma.0);
+    check_near(far, ("median", median), one.to.origin.max(one.from.origin), errors)?;
     Some(Distribution::LogNormal { median, sigma: one.sigma.0, within })
 }
 

@@ -23,11 +23,6 @@ pub(super) struct Problem<'a, 'stop> {
 }
 
 impl Problem<'_, '_> {
-    /// Number of residuals: of the measured numbers, then of the priors.
-    pub(super) fn residual_count(&self) -> usize {
-        self.model.observations.len() + self.variables.iter().filter(|one| one.prior.is_some()).count()
-    }
-
     /// Values of the variables at a point of the unit cube.
     pub(super) fn values(&self, point: &[f64]) -> Vec<f64> {
         values(self.variables, point)

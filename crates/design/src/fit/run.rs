@@ -12,7 +12,7 @@ use super::model::{Model, Unit, counted};
 use super::problem::{CommonDeviations, Problem, display_values, values};
 use super::profile::{End, ends as ends_of, is_at_bound};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
-use super::statistics::{rms, runs, student};
+use super::statistics::{self, rms, runs, student};
 use super::undetermined::{Determined, determined, with_spanning};
 use super::wavelengths::Wavelengths;
 use crate::measured::error_of_metric;
@@ -241,20 +241,21 @@ impl<'stop> Fitting<'stop> {
 
     /// Standard deviations of numbers that state none; unchanged if there are none.
     fn estimated(&self, problem: &Problem<'_, '_>, best: &Minimum) -> CommonDeviations {
-        let all = problem.residual_count() as f64;
-        // Each residual has lost the same part of a degree of freedom to the variables.
-        let left = (1.0 - best.point.len() as f64 / all).max(1.0 / all);
+        let covariance = determined(&best.jacobian).covariance;
+        let leverages = statistics::leverages(&best.jacobian, &covariance);
         // Numbers of a display have errors of about a tenth of these: an exact simulation can be fitted, too.
         const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
         let of = |unit: Unit, now: f64, least: f64| {
-            let pairs = self.model.observations.iter().zip(&best.residuals);
-            let unstated: Vec<f64> = pairs
+            let all = self.model.observations.iter().zip(best.residuals.iter().zip(&leverages));
+            let unstated = all
                 .filter(|(one, _)| one.standard_deviation.is_none() && one.unit() == unit)
-                .map(|(_, residual)| residual * residual)
-                .collect();
-            match unstated.len() {
+                .map(|(_, of)| of);
+            let (count, squares, freedom) = unstated.fold((0, 0.0, 0.0), |(count, squares, freedom), of| {
+                (count + 1, squares + of.0 * of.0, freedom + 1.0 - of.1)
+            });
+            match count {
                 0 => now,
-                count => (now * (unstated.iter().sum::<f64>() / (count as f64 * left)).sqrt()).max(least),
+                _ => (now * (squares / f64::max(freedom, 1.0)).sqrt()).max(least),
             }
         };
         CommonDeviations {
@@ -282,9 +283,12 @@ impl<'stop> Fitting<'stop> {
     ) -> Result<Intervals, DesignError> {
         let Determined { undetermined, covariance } = determined(&best.jacobian);
         let n = best.point.len();
-        let is_estimated = self.has_unstated(Unit::Fraction) || self.has_unstated(Unit::Lab);
-        let freedom = self.degrees_of_freedom().max(3) as f64;
-        let quantiles = QUANTILES.map(|z| if is_estimated { student(z, freedom) } else { z });
+        // Variables that priors or numbers with standard deviations determine have more degrees of freedom.
+        let is_unstated = |residual: usize| {
+            self.model.observations.get(residual).is_some_and(|one| one.standard_deviation.is_none())
+        };
+        let freedom = statistics::freedom(&best.jacobian, &covariance, is_unstated);
+        let quantiles_of = |variable: usize| QUANTILES.map(|z| student(z, freedom[variable].max(3.0)));
         let tasks: Vec<(usize, f64)> = (0..n)
             .filter(|k| !undetermined.iter().flatten().any(|other| other == k))
             .flat_map(|k| [(k, -1.0), (k, 1.0)])
@@ -301,7 +305,7 @@ impl<'stop> Fitting<'stop> {
             |problem, task| {
                 let (variable, side) = tasks[task];
                 let deviation = covariance[variable * n + variable].sqrt();
-                ends_of(problem, best, (variable, side), (quantiles, deviation, is_last))
+                ends_of(problem, best, (variable, side), (quantiles_of(variable), deviation, is_last))
             },
         )?;
         let mut ends: Vec<Ends> = vec![None; n];
@@ -314,7 +318,7 @@ impl<'stop> Fitting<'stop> {
                     End::Better(point) => return Ok(Intervals::Better(point)),
                     End::At(u, cut_by) => (u, cut_by),
                 };
-                let free = quantiles[probability] * deviation;
+                let free = quantiles_of(variable)[probability] * deviation;
                 let is_shorter = (u - best.point[variable]).abs() < CUT * free;
                 let cuts = cut_by.into_iter().filter(|other| *other == variable || is_shorter);
                 interval.cut_by[probability][side] = cuts.collect();

@@ -15,6 +15,46 @@ pub(super) fn student(z: f64, freedom: f64) -> f64 {
     z + (terms[0] + (terms[1] + terms[2] / freedom) / freedom) / freedom
 }
 
+/// Change of each variable with each residual, `[variable][residual]`: `C J^T`, from the Jacobian (column by
+/// column) and the covariance of the variables (row by row).
+fn influences(jacobian: &[Vec<f64>], covariance: &[f64]) -> Vec<Vec<f64>> {
+    let residuals = jacobian.first().map_or(0, Vec::len);
+    let of = |row: &[f64], residual: usize| {
+        row.iter().zip(jacobian).map(|(c, column)| c * column[residual]).sum::<f64>()
+    };
+    let rows = covariance.chunks_exact(jacobian.len().max(1));
+    rows.map(|row| (0..residuals).map(|residual| of(row, residual)).collect()).collect()
+}
+
+/// Leverage of each residual, the diagonal of `J C J^T`: the part of a degree of freedom that it loses to the
+/// variables.
+pub(super) fn leverages(jacobian: &[Vec<f64>], covariance: &[f64]) -> Vec<f64> {
+    let influences = influences(jacobian, covariance);
+    let residuals = jacobian.first().map_or(0, Vec::len);
+    let of = |residual: usize| influences.iter().zip(jacobian).map(|(a, j)| a[residual] * j[residual]).sum();
+    (0..residuals).map(of).collect()
+}
+
+/// Degrees of freedom of each variable's standard error (Welch 1947, Satterthwaite 1946), if the standard
+/// deviation of the residuals that `is_estimated` names follows from themselves, and those of the others are
+/// known: infinite for a variable that only these determine.
+pub(super) fn freedom(
+    jacobian: &[Vec<f64>],
+    covariance: &[f64],
+    is_estimated: impl Fn(usize) -> bool,
+) -> Vec<f64> {
+    let leverages = leverages(jacobian, covariance);
+    let estimated = leverages.iter().enumerate().filter(|(residual, _)| is_estimated(*residual));
+    let all: f64 = estimated.map(|(_, leverage)| 1.0 - leverage).sum();
+    let of = |influences: &Vec<f64>| {
+        let squares = || influences.iter().enumerate().map(|(residual, a)| (residual, a * a));
+        let own: f64 = squares().filter(|(residual, _)| is_estimated(*residual)).map(|(_, a)| a).sum();
+        let share = own / squares().map(|(_, a)| a).sum::<f64>();
+        if share > 0.0 { all / (share * share) } else { f64::INFINITY }
+    };
+    influences(jacobian, covariance).iter().map(of).collect()
+}
+
 /// Runs of residuals of one sign, within each series, against the number that independent errors have
 /// (Wald and Wolfowitz 1940); `None` without two residuals of each sign.
 pub(super) fn runs(model: &Model, residuals: &[f64]) -> Option<Runs> {
@@ -54,6 +94,20 @@ pub(super) fn rms(model: &Model, differences: &[f64], unit: Unit) -> Option<f64>
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Four numbers of a mean, and a prior of another variable; the second prior shares in the mean.
+    #[test]
+    fn priors_leave_the_freedom_of_the_data() {
+        let jacobian = [vec![1.0, 1.0, 1.0, 1.0, 0.0], vec![0.0, 0.0, 0.0, 0.0, 1.0]];
+        let covariance = [0.25, 0.0, 0.0, 1.0];
+        assert_eq!(leverages(&jacobian, &covariance), [0.25, 0.25, 0.25, 0.25, 1.0]);
+        let is_estimated = |residual: usize| residual < 4;
+        assert_eq!(freedom(&jacobian, &covariance, is_estimated), [3.0, f64::INFINITY]);
+        // A prior as strong as the mean: half of the variance is from the data, which lose half a degree.
+        let shared = [vec![1.0, 1.0, 1.0, 1.0, 2.0]];
+        assert_eq!(freedom(&shared, &[0.125], is_estimated), [3.5 / 0.25]);
+        assert_eq!(student(2.0, f64::INFINITY), 2.0);
+    }
 
     #[test]
     fn student_quantiles_equal_published_values() {

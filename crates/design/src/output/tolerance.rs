@@ -6,7 +6,7 @@ use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_display::{Label, capitalised, uncapitalised};
 use papilio_figures::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
-use papilio_scenario::{ScatteredKey, Tolerance, label};
+use papilio_scenario::{ScatteredKey, Tolerance, label, variable_label};
 
 /// Returns names and contents of the files: one table of all displays, one of all metrics, and the full
 /// report as JSON.
@@ -114,7 +114,7 @@ pub fn tolerance_figures(
         drawn.extend(svg.map(|svg| (format!("tolerance_{}", file_name(&metric.name)), svg)));
     }
     let metrics: Vec<String> = report.metrics.iter().map(|metric| label(&metric.name).to_string()).collect();
-    let quantity = |name: &String| capitalised(&label(name).quantity);
+    let quantity = |name: &String| variable_label(name).quantity;
     let groups: Vec<String> = report
         .groups
         .iter()

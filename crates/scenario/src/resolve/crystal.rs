@@ -219,8 +219,8 @@ impl Resolver<'_> {
                     return Some([self.sampled(name, origin, along)?, self.sampled(name, origin, across)?]);
                 }
                 PolariserTable::Transmittance(of) => {
-                    let [t, ratio] = of.map(|table| table.on(&self.grid));
-                    (self.sampled(name, origin, t)?, self.sampled(name, origin, ratio)?)
+                    let [t, ratio] = of;
+                    (self.fractions(name, origin, &t)?, self.fractions(name, origin, &ratio)?)
                 }
             }
         } else {

@@ -5,9 +5,9 @@ use std::path::Path;
 use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, Warned, number};
 use papilio_formats::{DataFile, FormatError, LARGEST_FILE, read_fractions_with_notes, read_index_within};
-use papilio_spectra::{Dispersion, SpectraError, Spectrum, material, material_info};
+use papilio_spectra::{Dispersion, SpectraError, Spectrum, Tabulated, material, material_info};
 
-use super::Resolver;
+use super::{Resolver, sampling};
 use crate::describe::display::{IndexOf, MaterialSpec, ShareSpectrum};
 use crate::here::looks_like_path;
 use crate::library::{Library, MemoryFile, Missing};
@@ -113,8 +113,21 @@ impl Resolver<'_> {
             ShareSpectrum::Constant(share) => return Some(Spectrum::constant(&self.grid, share.0)),
             ShareSpectrum::File(name) => name,
         };
-        let on_grid = self.data_with_notes(name, origin, read_fractions_with_notes)?.on(&self.grid);
-        self.sampled(name, origin, on_grid)
+        let table = self.data_with_notes(name, origin, read_fractions_with_notes)?;
+        self.fractions(name, origin, &table)
+    }
+
+    /// Returns the values of a table of fractions on the grid, and warns of a grid that is too coarse for it.
+    pub(super) fn fractions(&mut self, name: &str, origin: Origin, table: &Tabulated) -> Option<Spectrum> {
+        let values = self.sampled(name, origin, table.on(&self.grid))?;
+        if let Some(what) = sampling::coarseness(table, &self.grid) {
+            let warning = format!("{name}: {what}");
+            // A file may be used in several places.
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        Some(values)
     }
 
     /// Returns the values of a table or model on the grid, or reports that it does not cover the grid.

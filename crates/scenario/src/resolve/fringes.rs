@@ -6,29 +6,20 @@
 //! as in the computation of colours.
 
 use num_complex::Complex64;
-use papilio_colour::Observer;
 use papilio_display::scene::{FilmLayer, Interface, Pixel, Scene, Thickness};
 use papilio_optics::film::{Film, Layer, Polarisation, coherent, fringe_spacing_nm};
 use papilio_spectra::Grid;
 
-use super::Resolver;
 use super::film::distinct_gaps;
+use super::{Resolver, sampling};
 
 /// Wavelengths per fringe that are sufficient: the error of Y is 0.04 % or less (docs/films.md, "Thick
 /// films").
 const ENOUGH_PER_FRINGE: f64 = 12.0;
 
-/// Largest error of X, Y and Z, relative to a perfect white, that gives no warning: the default relative
-/// error.
-const NEGLIGIBLE_ERROR: f64 = 1e-3;
-
 /// Samples of the true spectrum in each fringe, and the largest number of them in each step.
 const PER_FRINGE: f64 = 32.0;
 const MOST_PER_STEP: f64 = 512.0;
-
-/// Steps that may be recommended, nm. Colours are sums over integer nanometres, so that a finer step has no
-/// effect.
-const STEPS_NM: [f64; 3] = [2.5, 2.0, 1.0];
 
 /// A film of the scene, and the media on its two sides.
 struct FilmStack<'a> {
@@ -49,13 +40,10 @@ impl Resolver<'_> {
         }) else {
             return;
         };
-        if error <= NEGLIGIBLE_ERROR {
+        if error <= sampling::NEGLIGIBLE_ERROR {
             return;
         }
-        let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
-        let enough = finer
-            .into_iter()
-            .find(|step| film.colour_error(grid, *step).is_some_and(|error| error <= NEGLIGIBLE_ERROR));
+        let enough = sampling::fine_step(grid, |step| film.colour_error(grid, step));
         let remedy = match enough {
             Some(step) => format!("set spectrum.step_nm = {step}"),
             None => "no step is fine enough, because colours are sums over integer nanometres: describe so thick a layer as a layer \
@@ -64,8 +52,8 @@ impl Resolver<'_> {
         };
         let (nm, step_nm) = (grid.wavelength_nm(grid.len() / 2), grid.step_nm());
         self.warnings.push(format!(
-            "{}: the film's interference fringes are {:.1} nm apart near {nm} nm, too close for spectrum.step_nm = {step_nm}: for \
-             light along the normal, the error of X, Y or Z is {error:.4} relative to a perfect white (a wide lobe averages over \
+            "{}: the film's reflectance changes too fast for spectrum.step_nm = {step_nm} (its interference fringes are {:.1} nm apart \
+             near {nm} nm): for light along the normal, the error of X, Y or Z is {error:.4} relative to a perfect white (a wide lobe averages over \
              fringes, and has a smaller error); {remedy}",
             film.key,
             film.spacing_nm(grid)
@@ -147,32 +135,9 @@ impl FilmStack<'_> {
         coherent(&film, nm, 0.0, Polarisation::S).ok().map(|film| film.reflectance)
     }
 
-    /// Largest error of X, Y and Z in equal-energy light, relative to a perfect white, if the reflectance is
-    /// known only in these steps.
+    /// As [`sampling::colour_error`], from [`PER_FRINGE`] samples of each fringe.
     fn colour_error(&self, grid: &Grid, step_nm: f64) -> Option<f64> {
-        let step_nm = step_nm.max(1.0);
-        let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));
-        let every_nm = Grid::new(first, last, 1.0).ok()?;
-        let observer = Observer::new(&every_nm).ok()?;
-        let parts = (step_nm * PER_FRINGE / self.spacing_nm(grid)).ceil().clamp(2.0, MOST_PER_STEP) as usize;
-        let (mut off, mut white) = ([0.0; 3], [0.0; 3]);
-        let mut from = (first, self.reflectance(grid, first)?);
-        while from.0 + step_nm <= last + 1e-6 {
-            let to_nm = from.0 + step_nm;
-            let to = (to_nm, self.reflectance(grid, to_nm)?);
-            for part in 0..parts {
-                let share = (part as f64 + 0.5) / parts as f64;
-                let nm = from.0 + share * step_nm;
-                let missed = (1.0 - share) * from.1 + share * to.1 - self.reflectance(grid, nm)?;
-                let nearest = ((nm - first).round() as usize).min(every_nm.len() - 1);
-                for (k, weight) in observer.weights().into_iter().enumerate() {
-                    off[k] += weight[nearest] * missed;
-                    white[k] += weight[nearest];
-                }
-            }
-            from = to;
-        }
-        let errors = off.iter().zip(white).map(|(off, white)| (off / white).abs());
-        errors.reduce(f64::max).filter(|error| error.is_finite())
+        let parts = (step_nm.max(1.0) * PER_FRINGE / self.spacing_nm(grid)).ceil().clamp(2.0, MOST_PER_STEP);
+        sampling::colour_error(grid, step_nm, parts as usize, |nm| self.reflectance(grid, nm))
     }
 }

@@ -102,8 +102,8 @@ impl Resolver<'_> {
         parts.retain(|part| part.share > 0.0 || map.share.0 == 0.0);
         self.maps.push(MapLight { lux, share: map.share.0 });
         self.notes.push(format!(
-            "{key}: the absolute values of the map correspond to {} on the display, but are not used: `illuminance_lx` and \
-             `share` set the level, unless illuminance_lx = \"from-map\". {:.1} % of the map's light comes from below the \
+            "{key}: the absolute values of the map correspond to {} on the display; `illuminance_lx` and `share` set the \
+             level, unless illuminance_lx = \"from-map\". {:.1} % of the map's light comes from below the \
              display's plane and is ignored",
             in_lux(lux),
             100.0 * (1.0 - above / everywhere).max(0.0)

@@ -121,7 +121,7 @@ impl Resolver<'_> {
     }
 
     fn measured_spectrum(&mut self, pixel: &PalettePixel, table: &Tabulated) -> Option<Spectrum> {
-        self.sampled(&pixel.file, pixel.file.origin, table.on(&self.grid))
+        self.fractions(&pixel.file, pixel.file.origin, table)
     }
 
     fn smoothest(

@@ -1,4 +1,4 @@
-//! Test of the wavelength grid: whether it is fine enough for a light.
+//! Tests of the wavelength grid: whether it is fine enough for a light, and for a reflectance.
 //!
 //! A light is sampled at the wavelengths of the grid and is linear between them, so that
 //! lines narrower than the step are lost or too strong. The test compares colour (u', v')
@@ -7,6 +7,9 @@
 //! of the observer, from samples 0.1 nm apart.
 //!
 //! A light that fails the test is represented by its means over 1 nm ([`LightSpectrum`]).
+//!
+//! A reflectance, too, is known at the wavelengths of the grid and linear between them. Its test is the error
+//! of X, Y and Z in light of equal energy ([`colour_error`]).
 
 use papilio_colour::{LUMENS_PER_WATT, Observer, UvPrime};
 use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
@@ -17,6 +20,12 @@ const COLOUR: f64 = 0.001;
 /// Largest relative difference of the luminous efficacy without a warning. Linear interpolation over 5 nm
 /// causes 0.7 % for light at 430 or 665 nm, however smooth, because ybar is curved there.
 const EFFICACY: f64 = 0.01;
+/// Largest error of X, Y and Z because of a reflectance, relative to a perfect white, without a warning: the
+/// default relative error.
+pub(super) const NEGLIGIBLE_ERROR: f64 = 1e-3;
+/// Steps that may be recommended, nm. Colours are sums over integer nanometres, so that a finer step has no
+/// effect.
+const STEPS_NM: [f64; 6] = [20.0, 10.0, 5.0, 2.5, 2.0, 1.0];
 /// Samples of the light itself per nanometre.
 const PER_NM: usize = 10;
 
@@ -92,4 +101,70 @@ pub(super) fn means(finer: &[f64], per_nm: usize) -> Vec<f64> {
         sum / weights
     };
     (0..finer.len()).step_by(per_nm).map(mean).collect()
+}
+
+/// Largest error of X, Y and Z in light of equal energy, relative to a perfect white, if this reflectance (a
+/// function of the wavelength, nm) is known only in steps of `step_nm` (at least 1) and linear between them.
+/// Each step is divided into `parts`.
+pub(super) fn colour_error(
+    grid: &Grid,
+    step_nm: f64,
+    parts: usize,
+    reflectance: impl Fn(f64) -> Option<f64>,
+) -> Option<f64> {
+    let step_nm = step_nm.max(1.0);
+    let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));
+    let every_nm = Grid::new(first, last, 1.0).ok()?;
+    let observer = Observer::new(&every_nm).ok()?;
+    let (mut off, mut white) = ([0.0; 3], [0.0; 3]);
+    let mut from = (first, reflectance(first)?);
+    while from.0 + step_nm <= last + 1e-6 {
+        let to_nm = from.0 + step_nm;
+        let to = (to_nm, reflectance(to_nm)?);
+        for part in 0..parts {
+            let share = (part as f64 + 0.5) / parts as f64;
+            let nm = from.0 + share * step_nm;
+            let missed = (1.0 - share) * from.1 + share * to.1 - reflectance(nm)?;
+            let nearest = ((nm - first).round() as usize).min(every_nm.len() - 1);
+            for (k, weight) in observer.weights().into_iter().enumerate() {
+                off[k] += weight[nearest] * missed;
+                white[k] += weight[nearest];
+            }
+        }
+        from = to;
+    }
+    let errors = off.iter().zip(white).map(|(off, white)| (off / white).abs());
+    errors.reduce(f64::max).filter(|error| error.is_finite())
+}
+
+/// The largest usual step below that of the grid at which this error is negligible; `None` if there is none.
+pub(super) fn fine_step(grid: &Grid, error: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
+    finer.into_iter().find(|step| error(*step).is_some_and(|error| error <= NEGLIGIBLE_ERROR))
+}
+
+/// What to do if a table of reflectances or transmittances is not linear between the wavelengths of the grid;
+/// `None` if its error is negligible.
+pub(super) fn coarseness(table: &Tabulated, grid: &Grid) -> Option<String> {
+    let error_in = |step: f64| {
+        let parts = (step.max(1.0) * PER_NM as f64).ceil() as usize;
+        // A table may end a little before the grid.
+        let (first, last) = table.range_nm();
+        colour_error(grid, step, parts, |nm| table.at(nm.clamp(first, last)).ok())
+    };
+    let step_nm = grid.step_nm();
+    let is_point = |nm: f64| ((nm - grid.start_nm()) / step_nm).fract() == 0.0;
+    if table.wavelengths_nm().iter().all(|nm| is_point(*nm)) {
+        // The grid has all points of the table, between which it is linear itself.
+        return None;
+    }
+    let error = error_in(step_nm).filter(|error| *error > NEGLIGIBLE_ERROR)?;
+    let remedy = match fine_step(grid, error_in) {
+        Some(step) => format!("set spectrum.step_nm = {step}"),
+        None => "no step is fine enough: state its means over 1 nm".to_owned(),
+    };
+    Some(format!(
+        "the values change too fast for spectrum.step_nm = {step_nm}: in light of equal energy, the error of X, Y or Z is {error:.4} \
+         relative to a perfect white; {remedy}"
+    ))
 }

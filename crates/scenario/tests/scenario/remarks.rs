@@ -233,7 +233,39 @@ fn fringes_too_close_for_the_grid_are_warned_of() {
         resolve(&text, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}")).warnings
     };
     assert!(coat(1.51).is_empty(), "{:?}", coat(1.51));
-    assert!(coat(2.4)[0].starts_with("display.layers.0: the film's interference fringes"), "{:?}", coat(2.4));
+    assert!(
+        coat(2.4)[0].starts_with("display.layers.0: the film's reflectance changes too fast"),
+        "{:?}",
+        coat(2.4)
+    );
+}
+
+/// A reflectance that rises from 0.1 to 0.9 within a nanometre about 551 nm. On the grid of 5 nm it rises from
+/// 550 to 555 nm, so that 0.8 of the light of 1.5 nm is lost: of Y, 0.8 * 1.5 * 0.997/106.86 = 0.0112. In steps
+/// of 2 nm it rises symmetrically.
+#[test]
+fn reflectances_that_change_too_fast_for_the_grid_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("edge.csv"), "380,0.1\n550.5,0.1\n551.5,0.9\n780,0.9\n").unwrap();
+    fs::write(folder.path().join("slow.csv"), "380,0.1\n551.5,0.2\n780,0.9\n").unwrap();
+    let said = |file: &str, step: &str| {
+        let pixel = format!(
+            "display.pixel={{ model = \"uniform\", kind = \"mirror\", reflectance = {{ white = \"{file}\", black = 0.05 }} }}"
+        );
+        warnings(folder.path(), &[&pixel, step])
+    };
+    let coarse = said("edge.csv", "spectrum.step_nm=5");
+    assert_eq!(coarse.len(), 1, "{coarse:?}");
+    let words = [
+        "edge.csv: the values change too fast for spectrum.step_nm = 5",
+        " is 0.0112 ",
+        "set spectrum.step_nm = 2",
+    ];
+    assert!(words.iter().all(|words| coarse[0].contains(words)), "{coarse:?}");
+    assert_eq!(said("edge.csv", "spectrum.step_nm=2"), Vec::<String>::new());
+    assert_eq!(said("slow.csv", "spectrum.step_nm=5"), Vec::<String>::new());
+    let filter = warnings(folder.path(), &["display.diffuser.total_transmittance=edge.csv"]);
+    assert!(filter[0].starts_with("edge.csv: the values change too fast"), "{filter:?}");
 }
 
 /// Ward's lobe with Duer's normalisation scatters 1.128 times the light from 85 deg for alpha 0.2
