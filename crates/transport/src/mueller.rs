@@ -32,8 +32,8 @@ use crate::{Cone, CosinePanels, FlatRun, Medium, Panel, ReflectanceFactor, Top, 
 const RECIPROCAL: Quartet = [1.0, 1.0, -1.0, 1.0];
 
 /// Unpolarised light, and a meter without a polariser.
-const LIGHT: Quartet = [0.5, 0.5, 0.0, 0.0];
-const METER: Quartet = [1.0, 1.0, 0.0, 0.0];
+pub(crate) const LIGHT: Quartet = [0.5, 0.5, 0.0, 0.0];
+pub(crate) const METER: Quartet = [1.0, 1.0, 0.0, 0.0];
 
 /// Reflection of polarised light by a pixel.
 #[derive(Debug, Clone)]
@@ -98,7 +98,7 @@ impl Mueller {
     }
 
     /// Returns the elements, `[state][element][wavelength]`, for light that leaves with these direction cosines.
-    fn at(&self, beta: Beta, medium: &Medium) -> Vec<f64> {
+    pub(crate) fn at(&self, beta: Beta, medium: &Medium) -> Vec<f64> {
         let mut all = match &self.by_direction {
             MuellerByDirection::Exact(exact) => exact.at(beta).to_vec(),
             MuellerByDirection::Table { panels, harmonics, values } => {
@@ -277,13 +277,19 @@ impl Above {
         Flat::mean([self.p, self.s])
     }
 
-    fn new(panel: &Panel, beta_squared: f64, bin: usize) -> Self {
+    pub(crate) fn new(panel: &Panel, beta_squared: f64, bin: usize) -> Self {
         if let Some(run) = &panel.run {
             return Self::of_run(run, 1.0, &panel.medium, beta_squared, bin);
         }
         let front = panel.front.at(bin);
-        let crossed = Flat { above: -front.above, below: -front.below, ..front };
-        let (p, s, both) = match &panel.top {
+        let crossed = Crossed::of_both(front, -1.0);
+        let face = Self::of_face(panel, beta_squared, bin);
+        Self { p: front.over(face.p), s: front.over(face.s), crossed: crossed.over(face.crossed) }
+    }
+
+    /// Returns the face of a panel without its front.
+    fn of_face(panel: &Panel, beta_squared: f64, bin: usize) -> Self {
+        let (p, s, crossed) = match &panel.top {
             Top::Fresnel(index) if beta_squared <= 1.0 => {
                 let [n, beta] = [index[bin], beta_squared.sqrt()];
                 let of = |polarisation| fresnel_of(Some(polarisation), [1.0, n], beta);
@@ -298,34 +304,95 @@ impl Above {
             _ if beta_squared <= 1.0 => (Flat::CLEAR, Flat::CLEAR, Flat::CLEAR),
             _ => (Flat::MIRROR, Flat::MIRROR, Flat::MIRROR),
         };
-        let crossed = Crossed::of_both(crossed.over(both), 1.0);
-        Self { p: front.over(p), s: front.over(s), crossed }
+        Self { p, s, crossed: Crossed::of_both(crossed, 1.0) }
     }
 
-    /// Returns what becomes of light by these factors: transmitted, mirrored from above, or from below.
-    fn applied(
-        &self,
-        flat: impl Fn(&Flat) -> f64,
-        crossed: impl Fn(&Crossed) -> Complex64,
-        light: Quartet,
-    ) -> Quartet {
-        let product = crossed(&self.crossed) * Complex64::new(light[2], light[3]);
-        [flat(&self.p) * light[0], flat(&self.s) * light[1], product.re, product.im]
+    /// What it transmits, in both directions.
+    pub(crate) fn transmits(&self) -> Factors {
+        Factors { p: self.p.t, s: self.s.t, crossed: self.crossed.t }
     }
 
-    fn transmitted(&self, light: Quartet) -> Quartet {
-        self.applied(|flat| flat.t, |crossed| crossed.t, light)
+    /// What it mirrors from above.
+    fn mirrors(&self) -> Factors {
+        Factors { p: self.p.above, s: self.s.above, crossed: self.crossed.above }
     }
 
-    fn mirrored(&self, light: Quartet) -> Quartet {
-        self.applied(|flat| flat.above, |crossed| crossed.above, light)
+    /// What it returns from below.
+    fn returns(&self) -> Factors {
+        Factors { p: self.p.below, s: self.s.below, crossed: self.crossed.below }
     }
 
-    /// Returns a row of the matrix of a pixel times the matrix of what is mirrored from below.
-    fn returned_times(&self, row: Quartet) -> Quartet {
-        let Complex64 { re, im } = self.crossed.below;
-        let [p, s, u, v] = row;
-        [p * self.p.below, s * self.s.below, u * re + v * im, v * re - u * im]
+    /// Returns what the face of a panel returns from below, and what its front does through the face.
+    pub(crate) fn returned_by(panel: &Panel, beta_squared: f64, bin: usize) -> (Factors, ByFront) {
+        let (face, front) = (Self::of_face(panel, beta_squared, bin), panel.front.reflectance_below[bin]);
+        // As a mirror of metal.
+        let front = Factors { p: front, s: front, crossed: Complex64::new(-front, 0.0) };
+        (face.returns(), ByFront { passes: face.transmits().powi(2), mirrors: face.mirrors(), front })
+    }
+}
+
+/// Factors of `|p|^2`, of `|s|^2`, and of `p s*`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Factors {
+    pub(crate) p: f64,
+    pub(crate) s: f64,
+    pub(crate) crossed: Complex64,
+}
+
+impl Factors {
+    /// Nothing is left.
+    pub(crate) const NONE: Self = Self { p: 0.0, s: 0.0, crossed: Complex64::ZERO };
+
+    /// Returns what becomes of light.
+    pub(crate) fn of(self, light: Quartet) -> Quartet {
+        let crossed = self.crossed * Complex64::new(light[2], light[3]);
+        [self.p * light[0], self.s * light[1], crossed.re, crossed.im]
+    }
+
+    /// Returns what a meter sees of light before these factors: a row of four numbers times their matrix.
+    pub(crate) fn before(self, [p, s, u, v]: Quartet) -> Quartet {
+        let Complex64 { re, im } = self.crossed;
+        [p * self.p, s * self.s, u * re + v * im, v * re - u * im]
+    }
+
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self { p: self.p + other.p, s: self.s + other.s, crossed: self.crossed + other.crossed }
+    }
+
+    fn times(self, other: Self) -> Self {
+        Self { p: self.p * other.p, s: self.s * other.s, crossed: self.crossed * other.crossed }
+    }
+
+    fn powi(self, power: i32) -> Self {
+        Self { p: self.p.powi(power), s: self.s.powi(power), crossed: self.crossed.powi(power) }
+    }
+
+    /// The largest of light of p or s; what is crossed is never larger.
+    pub(crate) fn largest(self) -> f64 {
+        self.p.max(self.s)
+    }
+}
+
+/// Light that a front of screen returns through a face below it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ByFront {
+    /// Through the face and back; from above; by the front.
+    passes: Factors,
+    mirrors: Factors,
+    front: Factors,
+}
+
+impl ByFront {
+    /// Returns the light that the front has returned once, and the face so many times; `rest`: and any more times.
+    pub(crate) fn after(&self, times: i32, rest: bool) -> Factors {
+        let between = self.mirrors.times(self.front);
+        let own = self.passes.times(self.front).times(between.powi(times));
+        if !rest {
+            return own;
+        }
+        let open = |x: f64| 1.0 / (1.0 - x);
+        let crossed = (Complex64::ONE - between.crossed).inv();
+        own.times(Factors { p: open(between.p), s: open(between.s), crossed })
     }
 }
 
@@ -339,21 +406,22 @@ fn via_pixel(matrices: &[f64], above: &[Above], meter: Quartet, light: Quartet) 
                 out.push(0.0);
                 continue;
             }
-            let arrives = above.transmitted(light);
+            let (passes, returns) = (above.transmits(), above.returns());
+            let arrives = passes.of(light);
             let mut open: [[f64; 5]; 4] = [[0.0; 5]; 4];
             for (row, of_row) in open.iter_mut().enumerate() {
                 let pixel: Quartet = std::array::from_fn(|column| of_state[(4 * row + column) * bins + bin]);
-                let again = above.returned_times(pixel);
+                let again = returns.before(pixel);
                 (0..4).for_each(|column| of_row[column] = f64::from(u8::from(row == column)) - again[column]);
                 of_row[4] = dot(pixel, arrives);
             }
-            out.push(dot(meter, above.transmitted(solved(open))));
+            out.push(dot(meter, passes.of(solved(open))));
         }
     }
     out
 }
 
-fn dot(meter: Quartet, light: Quartet) -> f64 {
+pub(crate) fn dot(meter: Quartet, light: Quartet) -> f64 {
     meter.iter().zip(light).map(|(meter, light)| meter * light).sum()
 }
 
@@ -398,14 +466,14 @@ impl<'a> Orders<'a> {
 
     fn seen_by(&self, meter: Quartet, light: Quartet) -> ReflectanceFactor {
         let via = via_pixel(&self.pixel, &self.above, meter, light);
-        let front = self.above.iter().map(|above| dot(meter, above.mirrored(light)));
+        let front = self.above.iter().map(|above| dot(meter, above.mirrors().of(light)));
         ReflectanceFactor { via_pixel: StateSpectra::new(via, self.above.len()), front: front.collect() }
     }
 }
 
 /// Solves four equations, the right-hand sides in the last column. Their matrix is 1 less a round trip, which preserves less than all light:
 /// leading elements do not vanish.
-fn solved(mut rows: [[f64; 5]; 4]) -> Quartet {
+pub(crate) fn solved(mut rows: [[f64; 5]; 4]) -> Quartet {
     for pivot in 0..4 {
         let own = rows[pivot].map(|value| value / rows[pivot][pivot]);
         rows[pivot] = own;

@@ -16,6 +16,7 @@
 use std::sync::Arc;
 
 use papilio_optics::Beta;
+use papilio_optics::film::Polarisation;
 use papilio_spectra::Spectrum;
 
 use crate::layers::{LayerKind, least_edge};
@@ -141,10 +142,17 @@ impl Stack {
     #[must_use]
     pub fn with_layers_of_each(mut self, both: [Vec<Layer>; 2]) -> Self {
         debug_assert!(self.elements().all(|(kind, _)| !kind.scatters()) && !self.base().is_specular());
+        self.of_each = Some(Arc::new(both));
+        self.keeping_s_and_p()
+    }
+
+    /// The same stack, in which front and face of a panel above a Lambertian pixel keep s and p apart in the light that they return to each other.
+    #[must_use]
+    pub fn keeping_s_and_p(mut self) -> Self {
         if let Form::Panel(panel) = &mut self.form {
             panel.keeps_s_and_p = matches!(panel.top, Top::Fresnel(_)) && !panel.single_pass;
         }
-        Self { of_each: Some(Arc::new(both)), ..self }
+        self
     }
 
     /// These layers.
@@ -247,6 +255,28 @@ impl Stack {
             (_, Some(MirrorRun { mirror: Mirror::Changing(mueller), .. })) => Some(mueller),
             _ => None,
         }
+    }
+
+    /// The pixel that changes polarisation below flat layers alone, and the interfaces of these for light of s and of p.
+    pub(crate) fn changing(&self) -> Option<(&Mueller, [Vec<Interface>; 2])> {
+        let panel = self.in_runs().panel()?;
+        let pixel = panel.mueller.as_deref()?;
+        if let Some(run) = &panel.run {
+            return Some((pixel, run.interfaces().clone()));
+        }
+        let of = |polarisation| {
+            let own = |layer: &Layer| match &layer.interface {
+                Interface::Fresnel => Interface::FresnelOf(polarisation),
+                other => other.clone(),
+            };
+            self.layers.iter().map(own).collect()
+        };
+        Some((pixel, [Polarisation::S, Polarisation::P].map(of)))
+    }
+
+    /// Returns whether light with its places and directions follows the change of polarisation by the pixel.
+    pub fn follows_changes(&self) -> bool {
+        self.in_runs().panel().is_some_and(|panel| panel.mueller.is_some())
     }
 
     /// Sets what is polarised: sources are those with these numbers in the lists of kernels and walks.

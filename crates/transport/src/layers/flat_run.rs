@@ -26,6 +26,11 @@ impl FlatRun {
         Self { interfaces, media }
     }
 
+    /// Its interfaces for s and for p.
+    pub(crate) fn interfaces(&self) -> &[Vec<Interface>; 2] {
+        &self.interfaces
+    }
+
     /// The run for s and for p.
     pub(crate) fn of_each(&self, at: &Incidence) -> [Flat; 2] {
         self.interfaces.each_ref().map(|own| self.of(own, at))

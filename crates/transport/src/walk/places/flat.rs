@@ -54,6 +54,10 @@ impl Tracer<'_> {
         work: &mut Workspace,
         record: &mut impl Record,
     ) -> bool {
+        if let Some(changing) = &self.changing {
+            self.divide_changing((changing, number), dice, work);
+            return false;
+        }
         let going = work.path.going;
         self.prepare(number, &work.path, &mut work.flat);
         let faces = &self.faces[number][going as usize];

@@ -6,9 +6,14 @@
 //! the pixel's angular table, and spectra are formed from the sums once, for all paths
 //! ([`tally`](super::tally)). Light has spectra from the second meeting on, and from its start under layers
 //! with colour or over a pixel that scatters by a kernel.
+//!
+//! Below flat layers above a pixel that changes polarisation, what a meter sees of light is four spectra for each image ([`mueller`](crate::mueller)),
+//! which become one where the path leaves.
 
 use super::pattern::{Meeting, Pattern};
 use crate::angular::Stencil;
+use crate::light::polarised::Quartet;
+use crate::mueller::{Factors, METER, Mueller};
 use crate::walk::{add_scaled, scale_rows};
 
 /// Light of a path.
@@ -20,9 +25,13 @@ pub(super) struct Light {
     meetings: u32,
     /// Factor on the look-up or the spectra.
     scale: f64,
-    /// `[image][wavelength]` after the first meeting with the pixel, `[wavelength]` before; valid in this
+    /// `[image][number][wavelength]` after the first meeting with the pixel, `[number][wavelength]` before; valid in this
     /// form.
     spectra: Vec<f64>,
+    /// Numbers for each wavelength: 1, or 4 of polarised light; and those with which paths start.
+    numbers: usize,
+    starting: usize,
+    images: usize,
     first: FirstMeeting,
     /// The brightness is 1 at the first meeting.
     reference: f64,
@@ -70,19 +79,39 @@ pub(super) enum Recorded<'p> {
 }
 
 impl Light {
-    /// Memory for light that starts as a number, or else as spectra.
-    pub(super) fn new((images, bins): (usize, usize), as_number: bool, shown: Shown) -> Self {
+    /// Memory for light that starts as a number, or else as spectra; of polarised light, as four.
+    pub(super) fn new(
+        (images, bins): (usize, usize),
+        as_number: bool,
+        is_polarised: bool,
+        shown: Shown,
+    ) -> Self {
         let starts = if as_number { Form::Number } else { Form::Spectra };
         let first = FirstMeeting { beta_squared: 0.0, look_up: Stencil::ONLY_NODE, shown };
-        let spectra = vec![0.0; images.max(1) * bins];
-        Self { form: starts, starts, meetings: 0, scale: 1.0, spectra, first, reference: 1.0, bins }
+        let (numbers, images) = (if is_polarised { METER.len() } else { 1 }, images.max(1));
+        let spectra = vec![0.0; images * numbers * bins];
+        Self {
+            form: starts,
+            starts,
+            meetings: 0,
+            scale: 1.0,
+            spectra,
+            numbers,
+            starting: numbers,
+            images,
+            first,
+            reference: 1.0,
+            bins,
+        }
     }
 
     /// Becomes one unit.
     pub(super) fn start(&mut self) {
         (self.form, self.meetings, self.scale, self.reference) = (self.starts, 0, 1.0, 1.0);
+        self.numbers = self.starting;
         if self.form == Form::Spectra {
-            self.spectra[..self.bins].fill(1.0);
+            let rows = self.spectra.chunks_exact_mut(self.bins).zip(METER).take(self.numbers);
+            rows.for_each(|(row, meter)| row.fill(meter));
         }
     }
 
@@ -98,6 +127,7 @@ impl Light {
                 self.first.shown.copy(&other.first.shown);
             }
             Form::Spectra => {
+                self.numbers = other.numbers;
                 let valid = other.valid().len();
                 self.spectra[..valid].copy_from_slice(other.valid());
             }
@@ -139,12 +169,18 @@ impl Light {
         self.valid()
     }
 
+    /// Length of the spectra that are valid.
+    fn len(&self) -> usize {
+        (if self.meetings == 0 { 1 } else { self.images }) * self.numbers * self.bins
+    }
+
     fn valid(&self) -> &[f64] {
-        if self.meetings == 0 { &self.spectra[..self.bins] } else { &self.spectra }
+        &self.spectra[..self.len()]
     }
 
     fn valid_mut(&mut self) -> &mut [f64] {
-        if self.meetings == 0 { &mut self.spectra[..self.bins] } else { &mut self.spectra }
+        let len = self.len();
+        &mut self.spectra[..len]
     }
 
     /// Multiplies it by a factor for all wavelengths, or for each.
@@ -205,6 +241,64 @@ impl Light {
             self.reference = (self.scale * largest(&self.spectra)).max(f64::MIN_POSITIVE);
         }
         self.meetings = self.meetings.saturating_add(1);
+    }
+
+    /// Sums over images of polarised light of p and of s, by wavelength.
+    pub(super) fn totals_of_each(&self) -> [Vec<f64>; 2] {
+        [0, 1].map(|number| {
+            let mut sum = vec![0.0; self.bins];
+            let rows = self.valid().chunks_exact(self.bins).skip(number).step_by(self.numbers);
+            rows.for_each(|row| add_scaled(&mut sum, row, 1.0));
+            sum
+        })
+    }
+
+    /// Polarised light before a flat part of these factors for each wavelength, and a factor for all.
+    pub(super) fn pass_back(&mut self, factors: &[Factors], scale: f64) {
+        self.scale *= scale;
+        self.map_quartets(|_, bin, meter| factors[bin].before(meter));
+    }
+
+    /// Polarised light before a pixel of these matrices, `[image][element][wavelength]`.
+    pub(super) fn reflect_back(&mut self, matrices: &[f64]) {
+        if self.meetings == 0 {
+            let (fresh, others) = self.spectra.split_at_mut(self.numbers * self.bins);
+            others.chunks_exact_mut(fresh.len()).for_each(|row| row.copy_from_slice(fresh));
+        }
+        let (is_first, bins) = (self.meetings == 0, self.bins);
+        self.meetings = self.meetings.saturating_add(1);
+        self.map_quartets(|image, bin, meter| {
+            let of = |element: usize| matrices[(image * Mueller::ELEMENTS + element) * bins + bin];
+            [0, 1, 2, 3].map(|column| (0..4).map(|row| meter[row] * of(4 * row + column)).sum())
+        });
+        if is_first {
+            self.reference = (self.scale * largest(self.valid())).max(f64::MIN_POSITIVE);
+        }
+    }
+
+    fn map_quartets(&mut self, to: impl Fn(usize, usize, Quartet) -> Quartet) {
+        let bins = self.bins;
+        for (image, rows) in self.valid_mut().chunks_exact_mut(METER.len() * bins).enumerate() {
+            for bin in 0..bins {
+                let found = to(image, bin, [0, 1, 2, 3].map(|number| rows[number * bins + bin]));
+                found.into_iter().enumerate().for_each(|(number, value)| rows[number * bins + bin] = value);
+            }
+        }
+    }
+
+    /// Becomes what is seen of such light where it enters.
+    pub(super) fn receive(&mut self, light: Quartet) {
+        if self.numbers == 1 {
+            return;
+        }
+        let (rows, bins) = (self.len() / (self.numbers * self.bins), self.bins);
+        for at in 0..rows * bins {
+            // Later ones are not overwritten before they are read.
+            let (image, bin) = (at / bins, at % bins);
+            let of = |number: usize| self.spectra[(image * METER.len() + number) * bins + bin];
+            self.spectra[at] = light.iter().enumerate().map(|(number, light)| light * of(number)).sum();
+        }
+        self.numbers = 1;
     }
 }
 

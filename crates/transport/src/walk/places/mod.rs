@@ -31,6 +31,8 @@
 //! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on
 //! the pixel: own rays of all its directions meet the pixel at the same place.
 //!
+//! Above a pixel that changes polarisation, below flat layers, a path carries what a meter sees of polarised light (`changing`).
+//!
 //! Transforms cost a path the same at any number of frequencies (`waves`).
 //!
 //! Except for the groups, this tracer shares no estimator with [`Walk`](super::Walk): it is an independent
@@ -38,6 +40,7 @@
 
 mod bins;
 mod branches;
+mod changing;
 mod connect;
 mod dice;
 mod faces;

@@ -18,6 +18,9 @@ use crate::{Medium, PixelSpread, Reflector};
 impl Tracer<'_> {
     /// Reflection by a mirror or a Lambertian pixel at the place of the path.
     pub(super) fn reflect_at_once(&self, path: &mut Path, work: &mut PixelWork, record: &impl Record) {
+        if let Some(changing) = &self.changing {
+            return self.reflect_changing(changing, path, &mut work.changing, record);
+        }
         let squared = path.beta.squared();
         if path.light.is_number() {
             let meeting = path.meeting(0);
@@ -88,7 +91,7 @@ impl Tracer<'_> {
             return;
         };
         self.stack.base().reflectance(path.beta.squared(), self.lowest(), &mut work.reflectance);
-        let PixelWork { reflectance, mixed, entered } = work;
+        let PixelWork { reflectance, mixed, entered, .. } = work;
         self.mix(pattern, path, reflectance, mixed);
         if leaves {
             record.meets(path);
@@ -111,7 +114,7 @@ impl Tracer<'_> {
     }
 
     /// The medium above the pixel.
-    fn lowest(&self) -> &Medium {
+    pub(super) fn lowest(&self) -> &Medium {
         self.stack.layers.last().map_or(&self.air, |layer| &layer.medium)
     }
 

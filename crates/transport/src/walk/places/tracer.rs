@@ -1,6 +1,7 @@
 //! The tracer: one path at a time, with its place.
 
 use super::branches::Branches;
+use super::changing::{Changing, ChangingWork};
 use super::dice::Dice;
 use super::faces::Face;
 use super::filter::FilterPlane;
@@ -10,6 +11,7 @@ use super::pattern::Pattern;
 use super::sample::RoundSample;
 use super::tally::Record;
 use crate::front::Flat;
+use crate::mueller::LIGHT;
 use crate::skeleton::{Part, Propagation};
 use crate::walk::horizon::Horizons;
 use crate::walk::{PathNumbers, Target};
@@ -29,6 +31,8 @@ const OFTEN: u32 = 16;
 /// A stack, its sources, and what is seen of its pixel.
 pub(super) struct Tracer<'a> {
     pub(super) stack: &'a Stack,
+    /// A pixel that changes polarisation below flat layers.
+    pub(super) changing: Option<Changing<'a>>,
     /// The layers for s and for p, if they keep both apart.
     pub(super) of_each: Option<&'a [Vec<Layer>; 2]>,
     pub(super) view: Cone,
@@ -97,6 +101,8 @@ pub(super) struct PixelWork {
     pub(super) mixed: Vec<f64>,
     /// The same where light entered a pixel inside which it spread.
     pub(super) entered: Vec<f64>,
+    /// That of a pixel which changes polarisation.
+    pub(super) changing: ChangingWork,
 }
 
 impl<'a> Tracer<'a> {
@@ -112,6 +118,7 @@ impl<'a> Tracer<'a> {
         let about = sources.iter().filter_map(Source::direction);
         Self {
             stack,
+            changing: Changing::of(stack),
             of_each: stack.layers_of_each(),
             view,
             sources,
@@ -162,7 +169,9 @@ impl<'a> Tracer<'a> {
             Shows::EachState => Shown::EachState,
             Shows::Pattern(_) => Shown::Covered(Vec::new()),
         };
-        let light = Light::new((images, bins), self.bands == 1 && looks_up && !spectra, shown);
+        let is_changed = self.changing.is_some();
+        let as_number = self.bands == 1 && looks_up && !spectra && !is_changed;
+        let light = Light::new((images, bins), as_number, is_changed, shown);
         let path = Path::new(light, self.places);
         let most = 2 + self.faces.iter().flatten().map(Vec::len).max().unwrap_or(0);
         let flat = FlatWork {
@@ -182,6 +191,7 @@ impl<'a> Tracer<'a> {
                 reflectance: vec![0.0; states * bins],
                 mixed: vec![0.0; images * bins],
                 entered: vec![0.0; if meets_two { images * bins } else { 0 }],
+                changing: ChangingWork::default(),
             },
         }
     }
@@ -289,6 +299,7 @@ impl<'a> Tracer<'a> {
 
     /// Light leaves into the air.
     fn leave(&self, path: &mut Path, record: &mut impl Record) {
+        path.light.receive(LIGHT);
         for (number, source) in self.sources.iter().enumerate() {
             if *source == Source::Diffuse {
                 record.receives(number, path, 1.0);
