@@ -29,7 +29,7 @@ use papilio_transport::{
 
 use crate::DisplayError;
 use crate::scene::{
-    self, AngleMedium, Approximation, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
+    self, AngleMedium, Approximation, Method, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
 };
 
 /// What of a scene is polarised.
@@ -347,7 +347,8 @@ fn media_between(stack: &Stack) -> Vec<Medium> {
     between.iter().map(|layer| layer.medium.clone()).collect()
 }
 
-/// Returns the scene for light with its places: s and p are followed through flat layers above paper, and nowhere else.
+/// Returns the scene for light with its places: s and p are followed through flat layers above paper, and the coherency matrix below flat layers above
+/// liquid crystals by paths and below colour filters; nothing elsewhere.
 ///
 /// # Errors
 /// With a polariser or polarised light.
@@ -358,7 +359,8 @@ pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
         return Err(DisplayError::Polarised { key, needs });
     }
     let mut scene = scene.clone();
-    if scene.solver.approximation == Approximation::None && !is_flat_paper(&scene) {
+    let is_kept = is_flat_paper(&scene) || is_whole_in_places(&scene);
+    if scene.solver.approximation == Approximation::None && !is_kept {
         scene.solver.approximation = Approximation::Unpolarised;
     }
     Ok(scene)
@@ -373,6 +375,11 @@ pub(crate) fn of_pages(scene: &Scene) -> Result<Scene, DisplayError> {
     if is_whole_in_pages(scene) { Ok(scene.clone()) } else { of_places(scene) }
 }
 
+/// Returns whether light with its places is followed with its coherency matrix: below a filter or by paths, all of it has its own direction.
+fn is_whole_in_places(scene: &Scene) -> bool {
+    is_whole(scene) && (scene.display.filter().is_some() || scene.solver.method == Method::MonteCarlo)
+}
+
 fn is_whole_in_pages(scene: &Scene) -> bool {
     is_whole(scene) && scene.lighting.directed.is_empty()
 }
@@ -383,7 +390,7 @@ pub fn note_of_places(scene: &Scene) -> Option<String> {
         Some(meetings) => meetings.mix(),
         None => scene.display.panel().is_none() && !runs(scene).is_empty(),
     };
-    let is_apart = is_flat_paper(scene) || is_whole_in_pages(scene);
+    let is_apart = is_flat_paper(scene) || is_whole_in_places(scene) || is_whole_in_pages(scene);
     (is_followed(scene) && !is_apart && meets_several()).then(|| {
         "light with its places counts as unpolarised after each face and film here, where `papilio run` keeps s and p apart: \
          several meetings at more than 45 deg are some per cent wrong"
@@ -401,10 +408,7 @@ pub(crate) fn is_flat_paper(scene: &Scene) -> bool {
 /// Returns whether the pixel is a liquid crystal below flat layers alone, so that polarised light is followed to the end.
 pub(crate) fn is_whole(scene: &Scene) -> bool {
     let display = &scene.display;
-    matches!(display.pixel, Pixel::Crystal(_))
-        && display.is_flat()
-        && display.filter().is_none()
-        && is_followed(scene)
+    matches!(display.pixel, Pixel::Crystal(_)) && display.is_flat() && is_followed(scene)
 }
 
 /// Returns whether, in addition, anything else than the pixel is polarised.

@@ -27,6 +27,7 @@ use crate::polarisation;
 use crate::port::Kept;
 use crate::run::Control;
 use crate::scene::{self, AngleMedium, Scene};
+use crate::spatial::Refused;
 
 /// Largest thickness of the layers above the pixels, over the pitch, with which crosstalk is computed:
 /// beyond, light of a sub-pixel spreads over tens of thousands of others.
@@ -130,7 +131,7 @@ impl Towards {
     fn cosines(self, scene: &Scene) -> Option<Vec<[f64; 2]>> {
         // What a bare panel shows of a direction, its pixel reflects in this direction.
         let display = &scene.display;
-        let is_bare = display.is_flat() && display.filter().is_none();
+        let is_bare = display.is_flat();
         let is_crystal = matches!(display.pixel, scene::Pixel::Crystal(_));
         let is_plain = scene.solver.angle_medium == AngleMedium::Air
             && scene.viewer.numerical_aperture.is_none()
@@ -212,17 +213,12 @@ impl Setup {
         setup.checked()
     }
 
-    /// Refuses a colour filter above a pixel that depends on azimuth: the pixel may be older than the filter.
+    /// Refuses polarised light if the pixel is known for unpolarised light alone.
     fn checked(self) -> Result<Self, DisplayError> {
-        if polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
-            return Err(DisplayError::CrystalFringes);
+        match polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
+            true => Err(DisplayError::CrystalFringes),
+            false => Ok(self),
         }
-        let display = &self.scene.display;
-        let is_filtered = display.filter().is_some() && !display.scatters_above_pixel();
-        if is_filtered && self.stack.base().is_azimuthal() {
-            return Err(pixel::AZIMUTH_BELOW_FILTER);
-        }
-        Ok(self)
     }
 
     /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers above paper alone.
@@ -245,15 +241,6 @@ impl Setup {
                 pixel::CRYSTAL_TABLE_ERROR
             )
         })
-    }
-
-    /// Refuses a computation that does not know azimuths if the pixel depends on them.
-    pub(crate) fn knows_azimuth(&self, what: &'static str) -> Result<(), DisplayError> {
-        if !self.stack.base().is_azimuthal() {
-            return Ok(());
-        }
-        let hint = "use `papilio run`, also with --cone, or `papilio pixel`";
-        Err(DisplayError::Azimuth { what, key: "display.pixel", hint })
     }
 
     /// Refuses a BSDF of a display whose pixel depends on azimuth: it would be a function of two azimuths.
@@ -393,26 +380,22 @@ impl Setup {
     /// # Errors
     /// If the pixel depends on azimuth; if a thickness is needed and missing.
     pub(crate) fn placed(&self) -> Result<&Stack, DisplayError> {
-        let display = &self.scene.display;
-        if self.stack.base().is_azimuthal() && display.scatters_above_pixel() {
-            let (what, key) = ("a computation of places of light by adding", "solver.method");
-            return Err(DisplayError::Azimuth {
-                what,
-                key,
-                hint: "\"monte-carlo\" does: --solver monte-carlo",
-            });
+        if self.stack.base().is_azimuthal() {
+            return Err(Refused::Azimuth.into());
         }
-        self.knows_azimuth("a computation of places of light")?;
-        display.lengths_mm().map(|_| &self.stack)
+        self.scene.display.lengths_mm().map(|_| &self.stack)
     }
 
     /// The stack, for light with its places and directions: by paths, or by a method that knows them.
     ///
     /// # Errors
-    /// If the pixel depends on azimuth, and flat layers return light to it, which is polarised; if a thickness is needed and missing.
+    /// If flat layers return light to a liquid crystal that depends on azimuth, and its polarisation is not followed; if a thickness is needed and missing.
     pub(crate) fn placed_by_direction(&self) -> Result<&Stack, DisplayError> {
-        if !self.scene.display.scatters_above_pixel() {
-            self.knows_azimuth("a computation of places of light below flat layers")?;
+        let display = &self.scene.display;
+        let is_polarised =
+            matches!(display.pixel, scene::Pixel::Crystal(_)) && !display.scatters_above_pixel();
+        if is_polarised && self.stack.base().is_azimuthal() && !self.stack.follows_changes() {
+            return Err(Refused::AzimuthOfUnpolarised.into());
         }
         self.scene.display.lengths_mm().map(|_| &self.stack)
     }

@@ -125,10 +125,18 @@ impl<'a> Filtered<'a> {
             Some((stack, transmittance)) => (stack, transmittance.clone()),
             None => (setup.stack.clone(), Spectrum::constant(&scene.grid, 1.0)),
         };
-        let Some(panel) = stack.panel_by_direction() else { return Err(Refused::FilterBelowLayers.into()) };
+        let Some(mut panel) = stack.panel_by_direction() else {
+            return Err(Refused::FilterBelowLayers.into());
+        };
+        if setup.stack.follows_changes() {
+            // Above glass that absorbs, too.
+            panel.mueller = setup.stack.mueller().cloned();
+            panel.keeps_s_and_p = matches!(panel.top, Top::Fresnel(_));
+        }
         // What is known of its layers over a white page, above a pixel that depends on azimuth, too.
         let page = white(scene.grid.len(), 1.0);
         let stack = match panel.base.is_specular() {
+            true if panel.mueller.is_some() => Stack::new(stack.layers().to_vec(), page).keeping_s_and_p(),
             true => Stack::new(stack.layers().to_vec(), page),
             false => stack.with_base(page),
         };

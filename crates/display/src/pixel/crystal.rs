@@ -40,13 +40,6 @@ const PART: [f64; 2] = [0.0, 0.8];
 const STEEP: f64 = 0.97;
 const STEEP_IN_GLASS: f64 = 0.9;
 
-/// Error: a colour filter above the pixel, below flat layers alone.
-pub(crate) const AZIMUTH_BELOW_FILTER: DisplayError = DisplayError::Azimuth {
-    what: "a display with a colour filter below a flat face",
-    key: "display.matrix.filter",
-    hint: "lay a diffuser on the glass, as products have, or remove the filter",
-};
-
 /// Error: a scatterer above the pixel, by adding.
 pub(crate) const AZIMUTH_BELOW_SCATTERER: DisplayError = DisplayError::Azimuth {
     what: "adding below these scatterers and in this light",
@@ -276,8 +269,6 @@ fn weight(harmonic: usize, odd: bool, k: usize, azimuths: usize) -> f64 {
 pub(super) struct Seen<'a> {
     /// Below flat layers, light has directions that exist in air: others are left at 0, unless it is unrefracted.
     pub(super) is_bare: bool,
-    /// Below a colour filter, with flat layers alone above it.
-    pub(super) is_filtered: bool,
     /// Light is computed by adding, without a filter and below more than one layer: it knows no azimuth there.
     pub(super) by_adding: bool,
     pub(super) unrefracted: bool,
@@ -291,7 +282,7 @@ pub(super) struct Seen<'a> {
 /// Computes a liquid-crystal pixel as the base of a stack, and for polarised light, if it is followed.
 ///
 /// # Errors
-/// If the pixel depends on azimuth below a colour filter, or by adding below a scatterer; if the computation was stopped.
+/// If the pixel depends on azimuth, by adding below a scatterer; if the computation was stopped.
 pub(super) fn base(
     pixel: &CrystalPixel,
     grid: &Grid,
@@ -303,9 +294,6 @@ pub(super) fn base(
     crystal.polarised = seen.polarised;
     crystal.of_phases = if seen.phases { 1.0 } else { UNSEEN_PHASES };
     let count = crystal.count(!seen.is_bare)?;
-    if count > 1 && seen.is_filtered {
-        return Err(AZIMUTH_BELOW_FILTER);
-    }
     if count > 1 && seen.by_adding && !seen.is_bare {
         return Err(AZIMUTH_BELOW_SCATTERER);
     }

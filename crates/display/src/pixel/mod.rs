@@ -16,7 +16,7 @@ use std::sync::Arc;
 use papilio_transport::{AngularTable, Base, Medium, Mueller, Nodes, Reflector, Stack};
 
 pub use absorption::{PixelAbsorption, PixelLayer, SubPixelAbsorption, absorption};
-pub(crate) use crystal::{AZIMUTH_BELOW_FILTER, AZIMUTH_BELOW_SCATTERER, TABLE_ERROR as CRYSTAL_TABLE_ERROR};
+pub(crate) use crystal::{AZIMUTH_BELOW_SCATTERER, TABLE_ERROR as CRYSTAL_TABLE_ERROR};
 pub(crate) use film::FilmKey;
 use film::{Beta, Film, Mixture};
 pub use table::TABLE_ERROR;
@@ -24,7 +24,7 @@ pub(crate) use weighted::{SeenLight, WeightedNodes, WeightedTable};
 
 use crate::run::Control;
 use crate::scene::{
-    AngleMedium, DirectedLight, Drive, FilmState, Method, Pixel, ScatteringPixel, Scene, TableAngles,
+    AngleMedium, DirectedLight, Drive, FilmState, Method, Pixel, ScatteringPixel, Scene, Stop, TableAngles,
     TablePixel, UniformKind, UniformPixel,
 };
 use crate::{DisplayError, polarisation, setup};
@@ -180,13 +180,11 @@ pub(crate) fn base(
             // Between the pixel and general layers, all directions of the glass occur.
             let unrefracted = scene.solver.angle_medium == AngleMedium::Unrefracted;
             let has_filter = scene.display.filter().is_some();
-            let is_filtered = has_filter && !scene.display.scatters_above_pixel();
-            let is_bare = scene.display.is_flat() && !has_filter;
+            let is_bare = scene.display.is_flat();
             let by_adding =
                 scene.solver.method == Method::Adding && !has_filter && scene.display.layers.len() > 1;
             let (polarised, phases) = (false, false);
-            let seen =
-                crystal::Seen { is_bare, is_filtered, by_adding, unrefracted, polarised, phases, cosines };
+            let seen = crystal::Seen { is_bare, by_adding, unrefracted, polarised, phases, cosines };
             Ok(crystal::base(pixel, &scene.grid, index, seen, control)?.0)
         }
     }
@@ -220,7 +218,6 @@ pub(crate) fn bases(
             let phases = polarisation::needs_whole(scene);
             let seen = crystal::Seen {
                 is_bare: !kept_apart,
-                is_filtered: false,
                 by_adding: scene.solver.method == Method::Adding,
                 unrefracted: false,
                 polarised: true,
@@ -257,10 +254,21 @@ pub(crate) fn has_few_directions(scene: &Scene) -> bool {
     const MOST_AZIMUTHS: usize = 8;
     const WIDEST_DEG: f64 = 4.0;
     let is_small = |lamp: &DirectedLight| lamp.radius_deg.is_none_or(|radius_deg| radius_deg <= WIDEST_DEG);
+    // Below a colour filter, paths have many directions.
+    let is_by_paths = || match scene.solver.method {
+        Method::Auto => !matches!(scene.solver.stop, Stop::RelativeError { .. }) || !is_ordinary(scene),
+        method => method == Method::MonteCarlo,
+    };
     scene.solver.method != Method::MonteCarlo
+        && (scene.display.filter().is_none() || !is_by_paths())
         && scene.viewer.phi_deg.len() <= MOST_AZIMUTHS
         && scene.viewer.field_deg <= WIDEST_DEG
         && scene.lighting.directed.iter().all(is_small)
+}
+
+/// Returns whether a display is an ordinary panel with one sheet before it at most: adding knows places in its front.
+fn is_ordinary(scene: &Scene) -> bool {
+    scene.display.panel().is_some_and(|panel| panel.front.len() < 2)
 }
 
 fn uniform_base(pixel: &UniformPixel, bins: usize) -> Base {

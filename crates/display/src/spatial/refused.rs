@@ -1,5 +1,5 @@
 //! What adding does not compute of the places of light: one list, with the reason of each. Monte Carlo with
-//! places computes all of it but approximations.
+//! places computes all of it but approximations and mixtures of the states of liquid crystals.
 
 use papilio_transport::adding::NotCovered;
 use papilio_transport::spatial::SpreadError;
@@ -36,11 +36,38 @@ pub(crate) enum Refused {
     FilterBelowLobeAndFront,
     /// A single pass has no orders, and the filter is solved through all of them. No solver computes it.
     FilterInSinglePass,
+    /// The transforms of adding have one reflectance for all azimuths.
+    Azimuth,
+    /// Flat layers return polarised light to a pixel that depends on azimuth: without its polarisation its light is not known.
+    AzimuthOfUnpolarised,
+    /// What changes the polarisation of light is known of the states of a pixel, not of mixtures of them in a sub-pixel. No solver computes it.
+    AzimuthOfMixtures,
 }
 
 impl From<Refused> for DisplayError {
     fn from(refused: Refused) -> Self {
+        let azimuth = |what, key, hint| Self::Azimuth { what, key, hint };
         let (what, key) = match refused {
+            Refused::Azimuth => {
+                let what = "a computation of places of light by adding";
+                return azimuth(what, "solver.method", "\"monte-carlo\" does: --solver monte-carlo");
+            }
+            Refused::AzimuthOfUnpolarised => {
+                let what = "a computation of places of unpolarised light below flat layers";
+                return azimuth(
+                    what,
+                    "display.pixel",
+                    "follow polarisation by solver.approximation = \"none\" and angles in air or glass, or use `papilio run` without a colour filter",
+                );
+            }
+            Refused::AzimuthOfMixtures => {
+                let what = "crosstalk below flat layers without a colour filter";
+                return azimuth(
+                    what,
+                    "display.pixel",
+                    "use `papilio mtf --solver monte-carlo`, or `papilio run`",
+                );
+            }
             Refused::Layered(NotCovered::Stopped) => return Self::Interrupted,
             Refused::Layered(why) => {
                 let key = if why == NotCovered::Pixel { "display.pixel" } else { "display.layers" };

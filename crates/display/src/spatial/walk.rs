@@ -21,6 +21,7 @@ use papilio_transport::walk::places::{
 use papilio_transport::{Base, Cone, Reflector, Source, Stack};
 
 use self::below_filter::BelowFilter;
+use super::Refused;
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::result::Named;
@@ -227,9 +228,15 @@ impl<'a> Placed<'a> {
     }
 
     /// The same layers above another base, whose states are those of patterns.
-    pub(super) fn above(mut self, base: Base) -> Self {
+    ///
+    /// # Errors
+    /// If the pixel changes the polarisation of light: that of mixtures of its states is not known.
+    pub(super) fn above(mut self, base: Base) -> Result<Self, DisplayError> {
+        if self.stack.follows_changes() {
+            return Err(Refused::AzimuthOfMixtures.into());
+        }
         self.stack = self.stack.general_over(base);
-        self
+        Ok(self)
     }
 
     /// What a view sees of this many images.

@@ -18,6 +18,7 @@ mod crosstalk_by_paths;
 mod depolarisation;
 mod designs;
 mod filter;
+mod filter_above_crystals;
 mod filter_above_mirrors;
 mod first_answers;
 mod front_light;

@@ -1,6 +1,7 @@
 //! Polarised light onto a liquid crystal, and polarisers before the eye, against sums of Stokes parameters through the reference matrices of optics,
 //! which share neither the tables nor the fast implementation; and against closed forms.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use num_complex::Complex64;
@@ -13,7 +14,7 @@ use papilio_scenario::Scenario;
 use crate::common::{run, scenario, walked};
 
 /// Cells and films alone: both implementations agree on them to rounding.
-const CELLS: &str = "display.pixel.stack=[{ kind = \"film\", material = 1.7, thickness_nm = 90 }, \
+pub(crate) const CELLS: &str = "display.pixel.stack=[{ kind = \"film\", material = 1.7, thickness_nm = 90 }, \
     { kind = \"cell\", gap_um = 1.1, n_o = 1.5, n_e = 1.62, rub_deg = 100, twist_deg = -40, slices = 6, \
       states = { white = { tilt_deg = 25 }, black = { tilt_deg = 70 } } }]";
 
@@ -39,10 +40,24 @@ fn spectra(scene: &Scene) -> Vec<Vec<Vec<f64>>> {
 }
 
 /// Mueller's matrix of the whole display: a thick pane of each medium above the pixel's layers.
-fn whole(scene: &Scene, [theta_deg, phi_deg]: [f64; 2], state: usize, bin: usize) -> Mueller {
+fn whole(scene: &Scene, direction: [f64; 2], state: usize, bin: usize) -> Mueller {
+    whole_below_gray(scene, direction, (state, bin), 1.0)
+}
+
+/// The same with glass above the pixel that transmits this fraction of light along the normal, once.
+pub(crate) fn whole_below_gray(
+    scene: &Scene,
+    [theta_deg, phi_deg]: [f64; 2],
+    (state, bin): (usize, usize),
+    transmittance: f64,
+) -> Mueller {
     let Pixel::Crystal(pixel) = &scene.display.pixel else { panic!("a liquid crystal") };
-    let panes = scene.display.layers.iter().map(|layer| {
-        let index = layer.medium.index[bin].into();
+    let wavelength_nm = scene.grid.wavelengths_nm()[bin];
+    let last = scene.display.layers.len() - 1;
+    let panes = scene.display.layers.iter().enumerate().map(|(number, layer)| {
+        let depth = if number == last { -transmittance.ln() } else { 0.0 };
+        // Of a pane of 1 mm.
+        let index = Complex64::new(layer.medium.index[bin], depth * wavelength_nm / (4.0 * PI * 1e6));
         AnisotropicLayer {
             dielectric: Dielectric::uniaxial(index, index, [0.0, 0.0, 1.0]).unwrap(),
             thickness_nm: 1e6,
@@ -63,7 +78,6 @@ fn whole(scene: &Scene, [theta_deg, phi_deg]: [f64; 2], state: usize, bin: usize
     });
     let layers = panes.chain(layers).collect();
     let stack = Stack { front: 1.0, layers, back: pixel.substrate[bin] };
-    let wavelength_nm = scene.grid.wavelengths_nm()[bin];
     let beta = theta_deg.to_radians().sin();
     mueller(&stack, Wave { wavelength_nm, beta, azimuth_deg: phi_deg }).unwrap().r
 }

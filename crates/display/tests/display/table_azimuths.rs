@@ -353,13 +353,25 @@ fn computations_without_azimuth_are_refused() {
     assert!(matches!(adding, Err(DisplayError::Azimuth { key: "solver.method", .. })), "{adding:?}");
     let map = papilio_display::cone(&display(&twice, &[]), ConeGrid::default(), &control);
     assert!(matches!(map, Err(DisplayError::Azimuth { .. })), "{map:?}");
-    let filter = [
+}
+
+/// A colour filter in the plane of the pixels, below a face: both solvers, at two azimuths.
+#[test]
+fn filters_are_above_tables_with_azimuths() {
+    let common = [
         "display.matrix={ pitch_um = 100, layout = \"stripe\" }",
         "display.matrix.filter={ height_um = 0, transmittance = { red = 0.8, green = 0.5, blue = 0.2 } }",
+        "display.layers.0.thickness_mm=0.2",
+        "viewer.theta_deg=[50]",
+        "viewer.phi_deg=[0,60]",
     ];
-    let filtered = run(&display(FACE, &filter));
-    assert!(
-        matches!(filtered, Err(DisplayError::Azimuth { key: "display.matrix.filter", .. })),
-        "{filtered:?}"
-    );
+    let of = |more: &[&str]| run(&display(FACE, &[&common[..], more].concat())).unwrap();
+    let (adding, paths) =
+        (of(&["solver.method=adding"]), of(&["solver.method=monte-carlo", "solver.paths=1024"]));
+    for (adding, paths) in adding.views.iter().zip(&paths.views) {
+        for ((name, adding), (_, paths)) in adding.states.iter().zip(paths.states.iter()) {
+            let (a, b, error) = (adding.value.Y, paths.value.Y, paths.standard_error.Y);
+            assert!((a - b).abs() < 4.5 * error + 1e-3 * a, "{name}: {a} {b} ({error})");
+        }
+    }
 }

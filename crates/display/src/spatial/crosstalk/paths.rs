@@ -62,14 +62,14 @@ impl<'a> Scenes<'a> {
         let scene = &setup.scene;
         let windows = Windows::new(matrix);
         let count = windows.all.len();
-        let (base, shown) = match &matrix.filter {
+        let (other_base, shown) = match &matrix.filter {
             Some(filter) => {
                 // Below each part of the filter a state of the pixel, black between them.
                 let of_state = |state: &crate::scene::FilterState| {
                     let below = state.pixel_states.iter().map(|below| vec![(*below, 1.0)]);
                     below.chain([Vec::new()]).collect()
                 };
-                (setup.stack.base().clone(), filter.states.iter().map(of_state).collect())
+                (None, filter.states.iter().map(of_state).collect())
             }
             None => {
                 let Surfaces { base, states } = Surfaces::new(setup, matrix)?;
@@ -78,10 +78,14 @@ impl<'a> Scenes<'a> {
                     here.map(|part| (part.surface, part.fraction * windows.scale[window])).collect()
                 };
                 let of_state = |parts: &Vec<_>| (0..=count).map(|window| of_window(parts, window)).collect();
-                (base, states.iter().map(of_state).collect())
+                (Some(base), states.iter().map(of_state).collect())
             }
         };
-        let panel = Placed::new(setup)?.above(base);
+        let panel = Placed::new(setup)?;
+        let panel = match other_base {
+            Some(base) => panel.above(base)?,
+            None => panel,
+        };
         let text = patterns::bitmap(scene, text, matrix.pitch_mm).and_then(|bitmap| {
             let strokes = bitmap.middles().strokes;
             (!strokes.is_empty()).then_some((bitmap, strokes))
