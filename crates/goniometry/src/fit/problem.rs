@@ -24,10 +24,11 @@ const STRAIGHT: Meaning =
 
 /// Widths of starts, relative to the width of the data.
 const START_WIDTHS: [f64; 3] = [1.0, 0.4, 2.5];
-/// Costs that differ by less than this, relatively, belong to the same minimum; so do all costs below the
-/// square of the numerical precision.
+/// Costs that differ by less than this, relatively, belong to the same minimum; so do all costs of a residual below 1e-8,
+/// which is the rounding of values in a file: the search ends at gradients of 1e-15, and at a smaller residual the
+/// cosine of [`ORTHOGONAL`] is beyond the numerical precision.
 const SAME: f64 = 1e-6;
-const EXACT: f64 = 1e-25;
+const EXACT: f64 = 0.5e-16;
 /// Relative distance from an end of a range that counts as being at the end.
 const AT_BOUND: f64 = 1e-6;
 /// At a minimum, the cosine between residuals and each derivative is below this, except at ends of ranges.

@@ -70,6 +70,20 @@ fn fit_to_exact_data_is_exact_to_ten_digits_from_each_start() {
     }
 }
 
+/// Values with nine digits: the residual is their rounding, and no start ends elsewhere.
+#[test]
+fn fit_to_rounded_values_has_converged() {
+    for kind in [Kind::KCorrelation, Kind::KCorrelation3, Kind::PseudoVoigt] {
+        let model = kind.model(&truth(kind));
+        for digits in 6..12 {
+            let rounded = data(|from, to| format!("{:.digits$e}", model.value(from, to)).parse().unwrap());
+            let fit = Fit::new(&rounded, kind, &FitOptions::default()).unwrap();
+            let most = 0.5 * 0.1_f64.powf(digits as f64);
+            assert!(fit.converged && fit.relative_rms < most, "{kind:?}, {digits} digits: {fit:?}");
+        }
+    }
+}
+
 /// With independent normal noise of equal size in g, 95 % of the intervals contain the true value. With 400
 /// draws, 4 standard deviations of the binomial distribution about 380 are 363 to 397 (twelve trials: 8e-4
 /// for all).
