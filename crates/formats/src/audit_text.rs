@@ -379,17 +379,31 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
             )
         });
     }
+    // Half the widest step of a grid about the normal.
+    let finer =
+        |axis: &[f64]| number(0.5 * axis.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max));
     if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
-        warnings.push(format!(
-            "the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"
-        ));
+        warnings.push(match &part.geometry {
+            Geometry::Spherical(grid) => format!(
+                "the inclinations of the viewer are too far apart for the lobe at {at} deg: measure them in steps of {} deg",
+                finer(&grid.theta_o_deg)
+            ),
+            _ => format!("the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"),
+        });
     }
     if let Some(at) = at(&|i| i.azimuth_error > TIS_TOLERANCE) {
-        warnings.push(format!(
-            "the azimuth grid is too coarse for the lobe at {at} deg: the method of interpolation between azimuths changes \
-             the integral by up to {}; measure more azimuths",
-            percent(audit.incidences.iter().map(|i| i.azimuth_error).fold(0.0, f64::max))
-        ));
+        let most = percent(audit.incidences.iter().map(|i| i.azimuth_error).fold(0.0, f64::max));
+        warnings.push(match &part.geometry {
+            Geometry::Spherical(grid) => format!(
+                "the azimuths are too far apart for the lobe at {at} deg: up to {most} of the integral is uncertain; measure \
+                 azimuths in steps of {} deg, or about the specular direction",
+                finer(&grid.phi_o_deg)
+            ),
+            _ => format!(
+                "the azimuth grid is too coarse for the lobe at {at} deg: the method of interpolation between azimuths changes \
+                 the integral by up to {most}; measure more azimuths"
+            ),
+        });
     }
     if audit.beam_holes > 0 {
         warnings.push(format!(

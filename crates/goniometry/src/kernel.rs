@@ -8,7 +8,7 @@
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 
-use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation};
+use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation, resampling_errors};
 use crate::tree::{RING_DEG, ring_kernel};
 use crate::{
     Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
@@ -136,7 +136,8 @@ pub fn kernel(
         fill => fill,
     };
     let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
-    let shape = Shape::of_extent(&grid, &cells, fill, extent);
+    let shape =
+        Shape::of_extent(&grid, &cells, fill, extent).with_errors(resampling_errors(part, channel, &grid));
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     // Lobe and total are means over rotations.
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.mean_tis(channel, k)).collect();

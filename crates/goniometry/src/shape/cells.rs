@@ -165,11 +165,8 @@ pub(super) fn without_tail_zeros(mut cells: Cells, filled: &mut [f64; 2]) -> Cel
 ///
 /// All points count, and straight lines: a parabola through every other point has a second width with which it
 /// happens to meet the one point that has most of the light, if steps are as large as the lobe.
-pub(super) fn best_width(cells: &[Cells]) -> f64 {
-    let score = |width: f64| -> f64 {
-        let lines = cells.iter().flat_map(|cells| &cells.lines);
-        lines.map(|points| missed(points, width)).sum()
-    };
+pub(super) fn best_width<'a>(lines: impl Iterator<Item = &'a Vec<[f64; 2]>> + Clone) -> f64 {
+    let score = |width: f64| -> f64 { lines.clone().map(|points| missed(points, width)).sum() };
     let step = (WIDTHS[1] / WIDTHS[0]).ln() / (WIDTHS_TRIED - 1) as f64;
     let widths = (0..WIDTHS_TRIED).map(|k| WIDTHS[0] * (k as f64 * step).exp());
     let best = widths.map(|width| (width, score(width))).min_by(|a, b| a.1.total_cmp(&b.1));

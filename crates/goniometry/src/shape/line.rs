@@ -1,5 +1,9 @@
 //! Interpolation along one line of a measurement, from the peak outwards.
 
+/// Change of ln f, over an interval, that a slope against the rise of that interval may cause; a slope along it is limited
+/// to three times the rise, up to which a cubic is monotonic.
+const OVERSHOOT: f64 = 0.5;
+
 /// Values of a lobe along a line, interpolated in `x = ln(1 + (|delta|/w)^2)`. Where values are positive, the
 /// logarithm is interpolated cubically, with the slopes of the parabola through three points (suitable for
 /// tails of any steepness). Next to zeros, interpolation is linear.
@@ -39,13 +43,33 @@ impl Line {
         }
         let [p, q] = [self.slopes[lower], self.slopes[upper]].map(|slope| slope * width);
         let (s, rise) = (1.0 - t, b - a);
+        // Where a lobe has an edge, parabolas would overshoot by powers of ten.
+        let limited = |slope: f64| {
+            (slope * rise.signum()).clamp(-OVERSHOOT, 3.0 * rise.abs() + OVERSHOOT) * rise.signum()
+        };
+        let [p, q] = [p, q].map(limited);
         (a + t * rise + t * s * (s * (p - rise) - t * (q - rise))).exp()
     }
 
-    /// The line through every other point, starting with the first.
-    pub(super) fn coarser(&self) -> Self {
-        let half = |values: &[f64]| -> Vec<f64> { values.iter().copied().step_by(2).collect() };
-        let (x, logs) = (half(&self.x), half(&self.logs));
+    /// The line over another abscissa, a function of this one.
+    pub(super) fn over(&self, abscissa: impl Fn(f64) -> f64) -> Self {
+        let x: Vec<f64> = self.x.iter().map(|x| abscissa(*x)).collect();
+        let slopes = (0..x.len()).map(|k| slope(&x, &self.logs, k)).collect();
+        Self { x, logs: self.logs.clone(), slopes }
+    }
+
+    /// Returns whether the second value is less than half the first.
+    pub(super) fn halves_at_once(&self) -> bool {
+        matches!(self.logs[..], [first, second, ..] if second < first - std::f64::consts::LN_2)
+    }
+
+    /// The line through the first point and every other one, the even (`parity` 0) or the odd ones (1).
+    pub(super) fn coarser(&self, parity: usize) -> Self {
+        let retained = |values: &[f64]| -> Vec<f64> {
+            let all = values.iter().copied().enumerate();
+            all.filter(|(k, _)| *k == 0 || k % 2 == parity).map(|(_, value)| value).collect()
+        };
+        let (x, logs) = (retained(&self.x), retained(&self.logs));
         let slopes = (0..x.len()).map(|k| slope(&x, &logs, k)).collect();
         Self { x, logs, slopes }
     }
@@ -93,6 +117,21 @@ mod tests {
         for k in 0..14 {
             let x = 0.1 * f64::from(k);
             assert!((line.value(x) / law(x) - 1.0).abs() < 1e-14, "{x}");
+        }
+    }
+
+    /// A parabola through the edge of a lobe has slopes that would raise the values beside it by powers of ten.
+    #[test]
+    fn values_beside_an_edge_stay_near_their_neighbours() {
+        let law = |r: f64| (-(r / 0.05_f64).powi(8)).exp();
+        let x: Vec<f64> = (0..5).map(|k| (0.026 * f64::from(k) / 0.05).powi(2)).collect();
+        let values: Vec<f64> = (0..5).map(|k| law(0.026 * f64::from(k))).collect();
+        let line = Line::new(x.clone(), &values);
+        for (x, f) in x.windows(2).zip(values.windows(2)) {
+            for t in [0.1, 0.3, 0.5, 0.7, 0.9] {
+                let found = line.value(x[0] + t * (x[1] - x[0]));
+                assert!((f[1] / 1.2..=f[0] * 1.2).contains(&found), "{x:?} {f:?}: {found}");
+            }
         }
     }
 

@@ -2,9 +2,12 @@
 
 use std::borrow::Cow;
 
+use super::GAUSSIAN;
 use super::horizon::without_dark_horizon;
 use super::spherical::Smooth;
-use crate::{Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, Symmetry};
+use crate::{
+    Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, SphericalGrid, Symmetry,
+};
 
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
 const INCIDENCES: u32 = 18;
@@ -50,6 +53,126 @@ fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Opti
     let values = lobes.iter().flat_map(|lobes| retained.iter().flat_map(|k| &lobes[*k])).copied().collect();
     grid.incidences_deg = retained.iter().map(|k| grid.incidences_deg[*k]).collect();
     (!retained.is_empty()).then_some((grid, values))
+}
+
+/// Relative uncertainties of the totals of a channel from the inclinations and from the azimuths of a grid about the
+/// normal, for the incidences of the grid on which it was resampled; empty for other geometries.
+///
+/// They are the changes of the total when every other inclination or azimuth is omitted, once those next to the specular
+/// direction and once the others; the larger one counts. The specular direction itself is retained. For inclinations, a third
+/// of the change with a Gaussian lobe between the values is added if the first step halves f. For azimuths, the change with another stretch of azimuths
+/// counts if it is larger: lobes that are not round depend on it where their azimuths are too far apart.
+pub(crate) fn resampling_errors(part: &MeasuredPart, channel: usize, grid: &SpecularGrid) -> Vec<[f64; 2]> {
+    let part = on_rings(part);
+    let part = &*without_dark_horizon(&part);
+    let Geometry::Spherical(own) = &part.geometry else { return Vec::new() };
+    let Some(light_deg) = own.phi_i_deg.first().copied() else { return Vec::new() };
+    let values = part.channel(channel);
+    let half = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: Vec::new(),
+        azimuths_deg: (0..=9).map(|k| 20.0 * f64::from(k)).collect(),
+        radials_deg: grid.radials_deg.clone(),
+        symmetry: Symmetry::Plane,
+    };
+    let of_incidence = |theta: &f64| {
+        let Some(place) = own.theta_i_deg.iter().position(|own| own == theta) else { return [0.0; 2] };
+        errors_of_incidence(own, values, (place, light_deg), &half)
+    };
+    grid.incidences_deg.iter().map(of_incidence).collect()
+}
+
+/// Uncertainties of one incidence, given by its index and the azimuth of the light; see [`resampling_errors`].
+fn errors_of_incidence(
+    own: &SphericalGrid,
+    values: &[f64],
+    (place, light_deg): (usize, f64),
+    grid: &SpecularGrid,
+) -> [f64; 2] {
+    let theta = own.theta_i_deg[place];
+    let (rows, columns) = (own.theta_o_deg.len(), own.phi_o_deg.len());
+    let cells = &values[place * own.phi_i_deg.len() * rows * columns..][..rows * columns];
+    let total = |rows: &[usize], columns_kept: &[usize], (power, width): (f64, Option<f64>)| -> f64 {
+        let fewer = SphericalGrid {
+            theta_i_deg: vec![theta],
+            phi_i_deg: vec![light_deg],
+            theta_o_deg: rows.iter().map(|k| own.theta_o_deg[*k]).collect(),
+            phi_o_deg: columns_kept.iter().map(|k| own.phi_o_deg[*k]).collect(),
+        };
+        let retained: Vec<f64> =
+            rows.iter().flat_map(|row| columns_kept.iter().map(move |k| cells[row * columns + k])).collect();
+        let smooth = Smooth::new(&fewer, &retained, power, width);
+        rough_total(grid, theta, |to| {
+            smooth.value(0, Direction::new(to.theta_deg, to.phi_deg + light_deg - 180.0))
+        })
+    };
+    let plain = (STRETCH, None);
+    let all_rows: Vec<usize> = (0..rows).collect();
+    let all_columns: Vec<usize> = (0..columns).collect();
+    let whole = total(&all_rows, &all_columns, plain);
+    if whole.is_nan() || whole <= 0.0 {
+        return [0.0; 2];
+    }
+    let from_specular = |k: usize| {
+        let turned = (own.phi_o_deg[k] - light_deg - 180.0).rem_euclid(360.0);
+        turned.min(360.0 - turned)
+    };
+    let nearest_row = nearest(rows, |k| (own.theta_o_deg[k] - theta).abs());
+    let nearest_column = nearest(columns, from_specular);
+    let change = |total: f64| (total - whole).abs() / whole;
+    let by_row = [0, 1].map(|parity| {
+        let mut kept = every_other(rows, nearest_row, parity);
+        // Nothing is extrapolated.
+        kept.extend([0, rows - 1]);
+        kept.sort_unstable();
+        kept.dedup();
+        change(total(&kept, &all_columns, plain))
+    });
+    let by_column = match columns {
+        0..=2 => [0.0; 2],
+        _ => [0, 1]
+            .map(|parity| change(total(&all_rows, &every_other(columns, nearest_column, parity), plain))),
+    };
+    let alone = SphericalGrid { theta_i_deg: vec![theta], phi_i_deg: vec![light_deg], ..own.clone() };
+    let by_shape = match Smooth::new(&alone, cells, STRETCH, None).halves_at_once(0) {
+        true => change(total(&all_rows, &all_columns, (STRETCH, Some(GAUSSIAN)))) / 3.0,
+        false => 0.0,
+    };
+    let by_stretch = change(total(&all_rows, &all_columns, (OTHER_STRETCH, None)));
+    let [by_row, by_column] = [by_row, by_column].map(|[a, b]| a.max(b));
+    [by_row + by_shape, by_column.max(by_stretch)].map(|error| error.min(1.0))
+}
+
+/// Exponents of the stretch of azimuths ([`Smooth`]): that of the interpolation, and one for its error.
+const STRETCH: f64 = 0.25;
+const OTHER_STRETCH: f64 = 0.5;
+
+/// Index of the smallest value, and whether that is 0 up to rounding.
+fn nearest(count: usize, distance: impl Fn(usize) -> f64) -> (usize, bool) {
+    let least = (0..count).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(0);
+    (least, distance(least) < 0.1)
+}
+
+/// Every other index, with that of the specular direction, if it is on the grid.
+fn every_other(count: usize, (nearest, is_specular): (usize, bool), parity: usize) -> Vec<usize> {
+    let is_retained = |k: &usize| k.abs_diff(nearest) % 2 == parity || is_specular && *k == nearest;
+    (0..count).filter(is_retained).collect()
+}
+
+/// Integral of f cos over the hemisphere by the trapezoidal rule; unknown values are 0.
+fn rough_total(grid: &SpecularGrid, theta_deg: f64, value: impl Fn(Direction) -> f64) -> f64 {
+    let (radials, azimuths) = (&grid.radials_deg, &grid.azimuths_deg);
+    let mut sum = 0.0;
+    for (a, azimuth) in azimuths.iter().enumerate() {
+        let ends = if a == 0 || a + 1 == azimuths.len() { 0.5 } else { 1.0 };
+        for (r, radial) in radials.iter().enumerate() {
+            let Some(to) = SpecularGrid::direction(theta_deg, *azimuth, *radial) else { break };
+            let width = radials[(r + 1).min(radials.len() - 1)] - radials[r.saturating_sub(1)];
+            let f = Some(value(to)).filter(|f| f.is_finite()).unwrap_or(0.0);
+            sum += ends * width * radial.to_radians().sin() * to.theta_deg.to_radians().cos() * f;
+        }
+    }
+    sum
 }
 
 /// Returns the part on a grid about the specular direction if its listed pairs form one; otherwise as it is.
@@ -150,7 +273,7 @@ fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg
     }
     let of_channel = |channel: &usize| {
         let smooth = match &part.geometry {
-            Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(*channel))),
+            Geometry::Spherical(own) => Some(Smooth::new(own, part.channel(*channel), STRETCH, None)),
             _ => None,
         };
         let lobe = |(k, theta): (usize, &f64)| {
@@ -241,7 +364,7 @@ fn radials() -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Channel, ScatterMode, SphericalGrid};
+    use crate::{Channel, ScatterMode};
 
     /// Pairs listed from rings are recognised as rings.
     #[test]

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests, too, say what they expect by unwrapping")]
 
+mod about_the_normal;
 mod ends;
 mod listed;
 mod measured;

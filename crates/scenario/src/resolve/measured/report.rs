@@ -147,7 +147,7 @@ impl Resolver<'_> {
         if changes.grid_error > COARSE {
             let percent = 100.0 * changes.grid_error;
             let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
-                true => ", mostly because its azimuths are too far apart",
+                true => ", mostly because its azimuths are too far apart: measure them in smaller steps",
                 false => "",
             };
             self.warnings.push(format!(
