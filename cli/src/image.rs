@@ -360,13 +360,18 @@ fn text(title: &str, result: &ImageResult) -> String {
         )
     });
     let losses = losses_line(numbers);
+    let mapped = numbers.against_mapped;
+    let shift = format!(
+        "tone shift by halftone and layers, in blocks of 64 x 64 pixels: {:.2} % of the light, CIEDE2000 {:.2}\n",
+        mapped.tone_shift_percent, mapped.tone_shift_delta_e_2000
+    );
     let luminous = result.palette.colours.iter().map(|one| one.Y);
     let (darkest, lightest) = (luminous.clone().fold(f64::INFINITY, f64::min), luminous.fold(0.0, f64::max));
     let contrast =
         if darkest > 0.0 { format!(", contrast {:.1}", lightest / darkest) } else { String::new() };
     format!(
         "{}\n\n{columns} x {lines} pixels in light of {}; {neighbours}\n{}luminance of the lightest state {lightest:.3}, of the darkest \
-         {darkest:.3} of a perfect white{contrast}\n\n{}{losses}{distance}{sharpness}\n{rendition}colours outside the gamut: {} of the pixels; clipped in \
+         {darkest:.3} of a perfect white{contrast}\n\n{}{losses}{shift}{distance}{sharpness}\n{rendition}colours outside the gamut: {} of the pixels; clipped in \
          seen.png: {}\n",
         report::plain(title),
         light(&numbers.light),

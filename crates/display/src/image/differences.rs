@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::colour;
+use super::tone_shift::{ToneShift, tone_shifts};
 use crate::threads::each;
 
 /// Differences of two pictures.
@@ -34,6 +35,11 @@ pub struct PictureDifferences {
     /// Mean standard deviation of L* after the eye's blur in windows of 0.15 degrees over that of the other
     /// picture.
     pub local_contrast_ratio: Option<f64>,
+    /// Root mean square difference of the mean Y of blocks of 64 x 64 pixels, per cent of the root mean square of the other
+    /// picture's: the tone, without the pattern of a halftone.
+    pub tone_shift_percent: f64,
+    /// Root mean square CIEDE2000 of the mean colours of these blocks.
+    pub tone_shift_delta_e_2000: f64,
 }
 
 /// Chroma of the other picture from which hue and chroma are compared, and of what is seen, below which it has no
@@ -77,6 +83,8 @@ impl From<Comparison> for PictureDifferences {
             hue_error_deg: ratio(turned, hued),
             chroma_ratio: ratio(shown, wanted),
             local_contrast_ratio: ratio(one.contrasts[0], one.contrasts[1]),
+            tone_shift_percent: 0.0,
+            tone_shift_delta_e_2000: 0.0,
         }
     }
 }
@@ -144,19 +152,25 @@ impl PictureDifferences {
         pixels_per_degree: Option<f64>,
         threads: usize,
     ) -> Result<[Self; N], ColourError> {
-        if let Some(per_degree) = pixels_per_degree
+        let mut differences = if let Some(per_degree) = pixels_per_degree
             && per_degree >= LEAST_PER_DEGREE
             && seen.len() >= MANY
         {
             let (coloured, window) = ([COLOURED as f32, WITH_HUE as f32], window_radius(per_degree));
             let step = step(per_degree, seen.len());
             let reader = Reader { white, per_degree, coloured, window, step };
-            return Ok(compared(seen, others, columns, reader, threads)?.map(Self::from));
+            compared(seen, others, columns, reader, threads)?.map(Self::from)
+        } else {
+            Self::one_by_one(seen, others, columns, white, pixels_per_degree, threads)?
+        };
+        let shifts = tone_shifts(seen, others, columns, white, threads)?;
+        for (differences, ToneShift { percent, delta_e_2000 }) in differences.iter_mut().zip(shifts) {
+            (differences.tone_shift_percent, differences.tone_shift_delta_e_2000) = (percent, delta_e_2000);
         }
-        Self::one_by_one(seen, others, columns, white, pixels_per_degree, threads)
+        Ok(differences)
     }
 
-    /// The same, of whole pictures one by one, in double precision.
+    /// The same but for the tone shift, of whole pictures one by one, in double precision.
     fn one_by_one<const N: usize>(
         seen: &[[f32; 3]],
         others: [MappedPicture<'_>; N],
@@ -190,6 +204,8 @@ impl PictureDifferences {
                 hue_error_deg: None,
                 chroma_ratio: None,
                 local_contrast_ratio: None,
+                tone_shift_percent: 0.0,
+                tone_shift_delta_e_2000: 0.0,
             })
         })?;
         drop(own);

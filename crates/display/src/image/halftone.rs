@@ -24,7 +24,7 @@ pub enum Halftone {
     VoidAndCluster,
     /// The error of each pixel is passed on to its neighbours.
     ErrorDiffusion,
-    /// Error diffusion, then two passes of the search of [`DirectBinarySearch`](Self::DirectBinarySearch), which
+    /// Error diffusion, then three passes of the search of [`DirectBinarySearch`](Self::DirectBinarySearch), which
     /// removes worms and most of the visible pattern; error diffusion alone without a size of pixels.
     #[default]
     RefinedErrorDiffusion,

@@ -46,6 +46,7 @@ mod tests_of_natural;
 mod tests_of_neutrals;
 #[cfg(test)]
 mod tests_of_regions;
+mod tone_shift;
 
 use std::f64::consts::PI;
 
@@ -483,9 +484,10 @@ impl ImageResult {
 }
 
 impl ImageNumbers {
-    /// Metrics of the picture, which compare it with the picture itself, and with its target before gamut mapping.
+    /// Metrics of the picture, which compare it with the picture itself, and with its target before and after gamut mapping.
     pub fn metrics(&self) -> ImageMetrics {
         let (photograph, source) = (&self.against_photograph, &self.against_source);
+        let mapped = &self.against_mapped;
         ImageMetrics {
             photograph_delta_e_2000_mean: Some(photograph.delta_e_2000_mean),
             photograph_scielab_mean: photograph.scielab_mean,
@@ -496,6 +498,8 @@ impl ImageNumbers {
             scielab_mean: source.scielab_mean,
             scielab_p95: source.scielab_p95,
             flip_mean: source.flip_mean,
+            mapped_tone_shift_percent: Some(mapped.tone_shift_percent),
+            mapped_tone_shift_delta_e_2000: Some(mapped.tone_shift_delta_e_2000),
             out_of_gamut_fraction: Some(self.out_of_gamut_fraction),
             clipped_fraction: Some(self.clipped_fraction),
         }

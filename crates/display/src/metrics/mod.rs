@@ -300,7 +300,7 @@ metrics! {
         ppd_lamp = "Pixel power deviation, lamp term",
     }
     /// A picture on the display, compared with the picture itself (its white is that of the display, its black is 0) and with the picture
-    /// in the display's white and black, before gamut mapping: results of [`image`](crate::image::image()).
+    /// in the display's white and black, before gamut mapping (with `mapped_`: after it): results of [`image`](crate::image::image()).
     image ImageMetrics {
         /// CIEDE2000 of the pixels from the picture itself: the mean.
         photograph_delta_e_2000_mean = "Mean colour difference CIEDE2000 from the photograph",
@@ -320,6 +320,11 @@ metrics! {
         scielab_p95 = "S-CIELAB difference, 95th percentile",
         /// FLIP: the mean.
         flip_mean = "Mean FLIP difference",
+        /// Root mean square difference of the mean Y of blocks of 64 x 64 pixels from the picture after gamut mapping, per cent: what
+        /// halftone and layers do to tones.
+        mapped_tone_shift_percent = "Tone shift of halftone and layers" in "%",
+        /// Root mean square CIEDE2000 of the mean colours of these blocks.
+        mapped_tone_shift_delta_e_2000 = "Tone shift of halftone and layers, CIEDE2000",
         /// Fraction of the pixels whose colour no mixture of states has.
         out_of_gamut_fraction = "Fraction of pixels out of gamut",
         /// Fraction of the pixels that a screen cannot show.

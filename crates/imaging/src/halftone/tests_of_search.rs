@@ -219,6 +219,56 @@ fn direct_binary_search_has_the_same_bits_with_any_number_of_threads() {
     }
 }
 
+/// A tone of 3 % of white: alone, a white pixel is a larger error than the tone that is missing without it, and the search
+/// takes all of them away. With a weight of means, the tone is within a part in 1 + w of it, and the error is that of its
+/// definition, with areas of 32 x 32 pixels that end with the picture and without the fixed pixels.
+#[test]
+fn direct_binary_search_with_a_weight_of_means_keeps_tones() {
+    let (columns, rows, weight) = (80, 48, 16.0);
+    let wanted: Vec<[f32; 2]> = vec![[0.03, 0.5]; columns * rows];
+    let palette = [[0.0, 0.5], [1.0, 0.5]];
+    let mut dice = Dice::new(2, 0);
+    let start: Vec<u8> = wanted.iter().map(|_| u8::from(dice.throw() < 0.03)).collect();
+    // Lighter than their tone, which the others need not make good.
+    let fixed: Vec<bool> = (0..start.len()).map(|at| at % columns < 4 && start[at] == 1).collect();
+    let search = |weight: f64| {
+        let filters = [0, 1].map(|_| bell(4, 1.0).keeping_means(weight));
+        let watch = &mut |_| ControlFlow::Continue(());
+        let control =
+            SearchControl { fixed: &fixed, few: &[], allowed: &[], threads: 2, stop: &|| false, watch };
+        direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, &start, control).unwrap()
+    };
+    let white = |states: &[u8]| {
+        let free = states.iter().zip(&fixed).filter(|(_, fixed)| !**fixed);
+        let (white, count) =
+            free.fold((0, 0), |(white, count), (state, _)| (white + usize::from(*state), count + 1));
+        white as f64 / f64::from(count)
+    };
+    let (without, with) = (search(0.0), search(weight));
+    assert_eq!(white(&without.states), 0.0);
+    assert!(0.03 - white(&with.states) < 0.03 / (1.0 + weight), "{}", white(&with.states));
+    let values: Vec<f64> = bell(4, 1.0).values().to_vec();
+    let mut expected = error(&wanted, columns, &palette, [9, 9], &[values.clone(), values], &with.states);
+    for (left, top) in [(0, 0), (32, 0), (64, 0), (0, 32), (32, 32), (64, 32)] {
+        let mut sum = 0.0;
+        for at in (0..start.len()).filter(|at| !fixed[*at]) {
+            if (left..left + 32).contains(&(at % columns)) && (top..top + 32).contains(&(at / columns)) {
+                sum += f64::from(with.states[at]) - 0.03;
+            }
+        }
+        expected += weight * sum * sum / 1024.0;
+    }
+    // The autocorrelation is cut at a hundredth of its middle.
+    assert!((with.error - expected).abs() < 0.01 * expected, "{} {expected}", with.error);
+    let filters = [0, 1].map(|_| bell(4, 1.0).keeping_means(weight));
+    let watch = &mut |_| ControlFlow::Continue(());
+    let control = SearchControl { fixed: &fixed, few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
+    let again =
+        direct_binary_search(&wanted, columns, (&palette, AS_IS), &filters, &with.states, control).unwrap();
+    assert_eq!((again.passes, &again.states), (1, &with.states));
+    assert!((again.error_at_start - with.error).abs() < 1e-5 * with.error_at_start);
+}
+
 /// Pixels that take few states keep to them, also as one of a pair, with few and with many states; the others are free.
 #[test]
 fn direct_binary_search_keeps_few_states() {

@@ -226,7 +226,7 @@ choice! {
         VoidAndCluster = "void-and-cluster",
         /// The error of each pixel is passed on to its neighbours, in X, Y, Z.
         ErrorDiffusion = "error-diffusion",
-        /// Error diffusion, then two passes of the search of `direct-binary-search`. Without `[display.matrix]`,
+        /// Error diffusion, then three passes of the search of `direct-binary-search`. Without `[display.matrix]`,
         /// and with `kernel` or `scan` but without `halftone`, it is error diffusion alone.
         RefinedErrorDiffusion = "refined-error-diffusion",
         /// The least that a reader at `viewer.distance_mm` sees of the pattern.

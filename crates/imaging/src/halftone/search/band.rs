@@ -9,7 +9,7 @@ use std::ops::Range;
 use pulp::NullaryFnOnce;
 
 use super::correlate::{Correlate, Shown};
-use super::costs::{Change, Costs, Here, LANES, NEIGHBOURS, Scratch};
+use super::costs::{AREA, Change, Costs, Here, LANES, NEIGHBOURS, Scratch};
 use crate::in_turn;
 
 /// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
@@ -28,6 +28,8 @@ pub(super) struct Field<const N: usize> {
     margin: usize,
     /// For each block, by rows of blocks, whether something in reach has changed since its last visit.
     touched: Vec<bool>,
+    /// What each area adds to the correlated errors of its pixels, by rows of areas.
+    areas: Vec<[f32; N]>,
 }
 
 /// Changes, and how much they lower the error.
@@ -48,11 +50,12 @@ struct Band<'a, const N: usize> {
     few: &'a [bool],
     correlated: &'a mut [f32],
     touched: &'a mut [bool],
+    areas: &'a mut [[f32; N]],
     /// Rows that may change.
     inner: Range<usize>,
 }
 
-/// Rows that are correlated at once.
+/// Rows that are correlated at once, a multiple of [`AREA`].
 const CORRELATED_ROWS: usize = 64;
 
 impl<const N: usize> Field<N> {
@@ -73,10 +76,15 @@ impl<const N: usize> Field<N> {
             let work = Correlate { shown, costs, rows, into, margin };
             (!stop()).then(|| pulp::Arch::new().dispatch(work))
         });
-        let error = errors.into_iter().collect::<Option<Vec<f64>>>()?.into_iter().sum();
+        let (mut error, mut areas) = (0.0, Vec::new());
+        for found in errors {
+            let (part, more) = found?;
+            error += part;
+            areas.extend(more);
+        }
         let blocks = columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK);
         let states = states.to_vec();
-        Some((Self { columns, states, correlated, margin, touched: vec![true; blocks] }, error))
+        Some((Self { columns, states, correlated, margin, touched: vec![true; blocks], areas }, error))
     }
 
     /// One pass over all pixels near which something has changed; `None` if it was stopped.
@@ -87,8 +95,8 @@ impl<const N: usize> Field<N> {
         threads: usize,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Progress> {
-        // A change of a pixel and its lower neighbour is felt in a row more than the reach.
-        let quarter = (costs.reach()[1] + 1).max(LEAST_ROWS / 4).next_multiple_of(BLOCK);
+        // A change of a pixel and its lower neighbour is felt in a row more than the reach. Bands begin with an area.
+        let quarter = (costs.reach()[1] + 1).max(LEAST_ROWS / 4).next_multiple_of(AREA);
         let mut progress = Progress::default();
         for shift in [0, 2 * quarter] {
             let bands = self.bands(quarter, shift, marks);
@@ -109,10 +117,10 @@ impl<const N: usize> Field<N> {
     fn bands<'a>(&'a mut self, quarter: usize, shift: usize, mut marks: [&'a [bool]; 2]) -> Vec<Band<'a, N>> {
         let (columns, margin) = (self.columns, self.margin);
         let per_row = N * (columns + 2 * margin);
-        let across = columns.div_ceil(BLOCK);
+        let across = [BLOCK, AREA].map(|side| columns.div_ceil(side));
         let mut bands = Vec::new();
-        let (mut states, mut correlated, mut touched) =
-            (&mut self.states[..], &mut self.correlated[..], &mut self.touched[..]);
+        let (mut states, mut correlated, mut touched, mut areas) =
+            (&mut self.states[..], &mut self.correlated[..], &mut self.touched[..], &mut self.areas[..]);
         let mut left_away = shift;
         while !states.is_empty() {
             let rows = (4 * quarter - left_away).min(states.len() / columns);
@@ -123,7 +131,9 @@ impl<const N: usize> Field<N> {
             let own;
             (own, correlated) = correlated.split_at_mut(rows * per_row);
             let blocks;
-            (blocks, touched) = touched.split_at_mut(rows.div_ceil(BLOCK) * across);
+            (blocks, touched) = touched.split_at_mut(rows.div_ceil(BLOCK) * across[0]);
+            let own_areas;
+            (own_areas, areas) = areas.split_at_mut(rows.div_ceil(AREA) * across[1]);
             let inner = quarter.saturating_sub(left_away)..(3 * quarter - left_away).min(rows);
             bands.push(Band {
                 columns,
@@ -133,6 +143,7 @@ impl<const N: usize> Field<N> {
                 few,
                 correlated: own,
                 touched: blocks,
+                areas: own_areas,
                 inner,
             });
             left_away = 0;
@@ -192,6 +203,12 @@ impl<const N: usize> Band<'_, N> {
         (y * N + k) * (self.columns + 2 * self.margin) + self.margin + x
     }
 
+    /// The number of the area of a pixel.
+    #[inline(always)]
+    fn area(&self, x: usize, y: usize) -> usize {
+        y / AREA * self.columns.div_ceil(AREA) + x / AREA
+    }
+
     #[inline(always)]
     fn is_fixed(&self, x: usize, y: usize) -> bool {
         !self.fixed.is_empty() && self.fixed[y * self.columns + x]
@@ -200,11 +217,12 @@ impl<const N: usize> Band<'_, N> {
     #[inline(always)]
     fn at(&self, x: usize, y: usize) -> Here<N> {
         let mut r = [0.0; N];
+        let area = self.area(x, y);
         for (k, r) in r.iter_mut().enumerate() {
-            *r = self.correlated[self.place(x, y, k)];
+            *r = self.correlated[self.place(x, y, k)] + self.areas[area][k];
         }
         let at = y * self.columns + x;
-        Here { own: self.states[at], r, is_few: !self.few.is_empty() && self.few[at] }
+        Here { own: self.states[at], r, is_few: !self.few.is_empty() && self.few[at], area }
     }
 
     #[inline(always)]
@@ -244,8 +262,10 @@ impl<const N: usize> Band<'_, N> {
         let rows = self.states.len() / columns;
         let before = std::mem::replace(&mut self.states[y * columns + x], state);
         let (shown, before) = (costs.palette[usize::from(state)], costs.palette[usize::from(before)]);
+        let area = self.area(x, y);
         for (k, correlation) in costs.correlations.iter().enumerate() {
             let by = shown[k] - before[k];
+            self.areas[area][k] += costs.of_areas[k] * by;
             let [across, down] = correlation.reach;
             for to in y.saturating_sub(down)..(y + down + 1).min(rows) {
                 let values = correlation.row(to as isize - y as isize);
@@ -264,11 +284,16 @@ impl<const N: usize> Band<'_, N> {
                 }
             }
         }
-        // A pixel depends on the errors of its neighbours, too.
+        // A pixel depends on the errors of its neighbours, and on those of its area, too.
         let [across, down] = costs.reach().map(|reach| reach + 1);
         let blocks = columns.div_ceil(BLOCK);
-        let along = x.saturating_sub(across) / BLOCK..=((x + across).min(columns - 1) / BLOCK);
-        for row in y.saturating_sub(down) / BLOCK..=(y + down).min(rows - 1) / BLOCK {
+        let touched = |at: usize, reach: usize, count: usize| {
+            let first = at / AREA * AREA;
+            let last = (at + reach).max(first + AREA - 1).min(count - 1);
+            at.saturating_sub(reach).min(first) / BLOCK..=last / BLOCK
+        };
+        let along = touched(x, across, columns);
+        for row in touched(y, down, rows) {
             self.touched[row * blocks..][along.clone()].fill(true);
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::NullaryFnOnce;
 
-use super::costs::Costs;
+use super::costs::{AREA, Costs};
 use super::filter::Correlation;
 
 /// A picture, and the states that show it.
@@ -13,11 +13,14 @@ pub(super) struct Shown<'a, const N: usize> {
     pub(super) wanted: &'a [[f32; N]],
     pub(super) columns: usize,
     pub(super) states: &'a [u8],
+    /// Whether each pixel keeps its state; empty: none does.
+    pub(super) fixed: &'a [bool],
     /// From `wanted` to the coordinates.
     pub(super) metric: [[f32; N]; N],
 }
 
-/// Some rows of a picture that are correlated; the result is the error E of them.
+/// Some rows of a picture that are correlated, the first of them a multiple of [`AREA`]; the result is the error E of them,
+/// and what each of their areas adds to the correlated errors.
 pub(super) struct Correlate<'a, const N: usize> {
     pub(super) shown: Shown<'a, N>,
     pub(super) costs: &'a Costs<N>,
@@ -45,13 +48,28 @@ impl<const N: usize> Shown<'_, N> {
             }
         }
     }
+
+    /// Adds the errors of a row in one coordinate to the sums of its areas, but for those of fixed pixels, which others
+    /// need not make good.
+    #[inline(always)]
+    fn add_to_areas(&self, areas: &mut [[f32; N]], k: usize, errors: &[f32], row: usize) {
+        let fixed = self.fixed.get(row * self.columns..).unwrap_or(&[]);
+        for (number, (area, errors)) in areas.iter_mut().zip(errors.chunks(AREA)).enumerate() {
+            area[k] += match fixed.get(number * AREA..) {
+                None | Some([]) => errors.iter().sum::<f32>(),
+                Some(fixed) => {
+                    errors.iter().zip(fixed).map(|(error, fixed)| if *fixed { 0.0 } else { *error }).sum()
+                }
+            };
+        }
+    }
 }
 
 impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
-    type Output = f64;
+    type Output = (f64, Vec<[f32; N]>);
 
     #[inline(always)]
-    fn call(self) -> f64 {
+    fn call(self) -> (f64, Vec<[f32; N]>) {
         let Self { shown, costs, rows, into, margin } = self;
         let (columns, all) = (shown.columns, shown.wanted.len() / shown.columns);
         let stride = columns + 2 * margin;
@@ -63,9 +81,17 @@ impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
             (0..=most).map(|_| across.map(|across| vec![0.0; columns + 2 * across])).collect();
         let mut line = vec![0.0; columns];
         let mut sums = [0.0; N];
+        let wide = columns.div_ceil(AREA);
+        let mut areas = vec![[0.0_f32; N]; wide * rows.len().div_ceil(AREA)];
         for from in rows.start.saturating_sub(most)..(rows.end + most).min(all) {
             let padded = &mut errors[from % (most + 1)];
             shown.errors(costs, from, padded, across);
+            if rows.contains(&from) {
+                let areas = &mut areas[(from - rows.start) / AREA * wide..][..wide];
+                for k in 0..N {
+                    shown.add_to_areas(areas, k, &padded[k][across[k]..][..columns], from);
+                }
+            }
             for (k, correlation) in costs.correlations.iter().enumerate() {
                 let [_, down] = correlation.reach;
                 let reached = from.saturating_sub(down).max(rows.start)..(from + down + 1).min(rows.end);
@@ -95,7 +121,14 @@ impl<const N: usize> NullaryFnOnce for Correlate<'_, N> {
                 }
             }
         }
-        sums.iter().sum()
+        let mut error: f64 = sums.iter().sum();
+        for area in &mut areas {
+            for (sum, weight) in area.iter_mut().zip(costs.of_areas) {
+                error += f64::from(weight * *sum * *sum);
+                *sum *= weight;
+            }
+        }
+        (error, areas)
     }
 }
 

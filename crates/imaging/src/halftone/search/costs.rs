@@ -12,6 +12,10 @@ pub(super) const NEIGHBOURS: [(isize, isize); 4] = [(1, 0), (-1, 1), (0, 1), (1,
 /// those of the states that are best alone, and the exchange.
 pub(super) const LANES: usize = 8;
 
+/// Columns and rows of the areas whose means are kept. In smaller ones, a change of a pixel is a large part of the sum,
+/// which makes patterns uneven.
+pub(super) const AREA: usize = 32;
+
 /// Cost of a state that does not exist.
 const IMPOSSIBLE: f32 = 1e30;
 
@@ -34,9 +38,11 @@ pub(super) struct Costs<const N: usize> {
     middles: [f32; N],
     /// Whether pixels that take few states may take each.
     allowed: Vec<bool>,
-    /// For each neighbour and each pair of states: twice the sum of the products of their coordinates, each
-    /// with the correlation there.
-    near: [Vec<f32>; 4],
+    /// Weights of the squares of the sums of an area's errors.
+    pub(super) of_areas: [f32; N],
+    /// For neighbours in another area and in the same one, each neighbour and each pair of states: twice the sum of the
+    /// products of their coordinates, each with the correlation there.
+    near: [[Vec<f32>; 4]; 2],
     /// The same for up to [`LANES`] states.
     lanes: Option<Lanes<N>>,
     least: f32,
@@ -49,9 +55,9 @@ struct Lanes<const N: usize> {
     /// For pixels that take all states and for those that take few, and each state of a pixel: the squares of the
     /// changes to the others, each with the middle of the correlation.
     squares: [Vec<[f32; LANES]>; 2],
-    near: [[[f32; LANES]; LANES]; 4],
+    near: [[[[f32; LANES]; LANES]; 4]; 2],
     /// The same by the state of the neighbour, and then that of the pixel.
-    near_other: [[[f32; LANES]; LANES]; 4],
+    near_other: [[[[f32; LANES]; LANES]; 4]; 2],
 }
 
 /// Costs of all states at two pixels, of many states.
@@ -63,12 +69,14 @@ pub(super) struct Scratch {
     best_there: Vec<usize>,
 }
 
-/// A pixel: its state, its correlated error, and whether it takes few states.
+/// A pixel: its state, its correlated error with what its area adds to it, whether it takes few states, and its area.
 #[derive(Clone, Copy)]
 pub(super) struct Here<const N: usize> {
     pub(super) own: u8,
     pub(super) r: [f32; N],
     pub(super) is_few: bool,
+    /// Number of its area.
+    pub(super) area: usize,
 }
 
 /// The neighbours of a pixel inside the picture.
@@ -83,18 +91,30 @@ impl<const N: usize> Costs<N> {
             let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
             extent += (high - low).powi(2) * correlation.middle();
         }
-        let near = NEIGHBOURS.map(|(right, down)| {
-            let at = correlations.each_ref().map(|correlation| correlation.at(right, down));
+        let of_areas = filters.each_ref().map(|filter| filter.weight_of_area(AREA * AREA));
+        let near_with = |of_areas: [f64; N], (right, down)| {
+            let at: [f64; N] = std::array::from_fn(|k| correlations[k].at(right, down) + of_areas[k]);
             let product = |one: &[f64; N], other: &[f64; N]| {
                 (2.0 * (0..N).map(|k| at[k] * one[k] * other[k]).sum::<f64>()) as f32
             };
             palette.iter().flat_map(|one| palette.iter().map(move |other| product(one, other))).collect()
-        });
-        let middles = correlations.each_ref().map(|one| one.middle() as f32);
+        };
+        let near = [[0.0; N], of_areas].map(|of_areas| NEIGHBOURS.map(|step| near_with(of_areas, step)));
+        let middles = std::array::from_fn(|k| (correlations[k].middle() + of_areas[k]) as f32);
+        let of_areas = of_areas.map(|weight| weight as f32);
         let palette: Vec<[f32; N]> = palette.iter().map(|colour| colour.map(|value| value as f32)).collect();
         let allowed: Vec<bool> = (0..palette.len()).map(|state| allowed.get(state) == Some(&true)).collect();
         let lanes = (palette.len() <= LANES).then(|| Lanes::new(&palette, &allowed, middles, &near));
-        Self { palette, correlations, middles, allowed, near, lanes, least: (LEAST * extent) as f32 }
+        Self {
+            palette,
+            correlations,
+            middles,
+            allowed,
+            of_areas,
+            near,
+            lanes,
+            least: (LEAST * extent) as f32,
+        }
     }
 
     /// Rows and columns over which a change of a pixel is felt.
@@ -118,7 +138,7 @@ impl<const N: usize> Costs<N> {
     }
 
     /// Costs of the states of a pixel.
-    fn single(&self, Here { own, r, is_few }: Here<N>, costs: &mut Vec<f32>) {
+    fn single(&self, Here { own, r, is_few, .. }: Here<N>, costs: &mut Vec<f32>) {
         let shown = self.palette[usize::from(own)];
         costs.clear();
         costs.extend(self.palette.iter().zip(&self.allowed).map(|(colour, is_allowed)| {
@@ -158,7 +178,7 @@ impl<const N: usize> Costs<N> {
             self.single(neighbour, there);
             lowest(there, best_there);
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
-            let near = &self.near[number];
+            let near = &self.near[usize::from(neighbour.area == pixel.area)][number];
             let (apart, products) = (near[own * count + other], &near[own * count..][..count]);
             there.iter_mut().zip(products).for_each(|(cost, product)| *cost += apart - product);
             let mut consider = |state: usize, to: usize| {
@@ -181,7 +201,7 @@ impl<const N: usize> Costs<N> {
 }
 
 impl<const N: usize> Lanes<N> {
-    fn new(palette: &[[f32; N]], allowed: &[bool], middles: [f32; N], near: &[Vec<f32>; 4]) -> Self {
+    fn new(palette: &[[f32; N]], allowed: &[bool], middles: [f32; N], near: &[[Vec<f32>; 4]; 2]) -> Self {
         let lanes = |of: &dyn Fn(usize) -> f32, rest: f32| {
             std::array::from_fn(|at| if at < palette.len() { of(at) } else { rest })
         };
@@ -193,6 +213,9 @@ impl<const N: usize> Lanes<N> {
             let row = |state| lanes(&|at| if state < count { near[of(state, at)] } else { 0.0 }, 0.0);
             std::array::from_fn(row)
         };
+        let tables = |of: &dyn Fn(usize, usize) -> usize| {
+            near.each_ref().map(|near| near.each_ref().map(|near| table(near, of)))
+        };
         Self {
             doubled: std::array::from_fn(|k| lanes(&|at| 2.0 * palette[at][k], 0.0)),
             squares: [false, true].map(|is_few| {
@@ -202,14 +225,14 @@ impl<const N: usize> Lanes<N> {
                 };
                 palette.iter().map(|own| lanes(&|at| to(own, at), IMPOSSIBLE)).collect()
             }),
-            near: near.each_ref().map(|near| table(near, &|state, at| state * count + at)),
-            near_other: near.each_ref().map(|near| table(near, &|state, at| at * count + state)),
+            near: tables(&|state, at| state * count + at),
+            near_other: tables(&|state, at| at * count + state),
         }
     }
 
     /// Costs of the states of a pixel.
     #[inline(always)]
-    fn single(&self, Here { own, r, is_few }: Here<N>) -> [f32; LANES] {
+    fn single(&self, Here { own, r, is_few, .. }: Here<N>) -> [f32; LANES] {
         let own = usize::from(own);
         let (mut costs, mut before) = ([0.0; LANES], 0.0);
         for (r, doubled) in r.iter().zip(&self.doubled) {
@@ -238,8 +261,10 @@ impl<const N: usize> Lanes<N> {
                 }
             }
         }
-        for (number, (neighbour, near)) in neighbours.into_iter().zip(&self.near).enumerate() {
+        for (number, neighbour) in neighbours.into_iter().enumerate() {
             let Some(neighbour) = neighbour else { continue };
+            let same = usize::from(neighbour.area == pixel.area);
+            let near = &self.near[same][number];
             let other = usize::from(neighbour.own);
             // The costs of both, and the sum of c (state - own) (to - other) from its four products.
             let mut there = self.single(neighbour);
@@ -249,7 +274,7 @@ impl<const N: usize> Lanes<N> {
                 *there += apart - from_own;
             }
             let mut smallest = [IMPOSSIBLE; LANES];
-            let mut alone = self.near_other[number][other];
+            let mut alone = self.near_other[same][number][other];
             for (alone, here) in alone.iter_mut().zip(&here) {
                 *alone = here - *alone;
             }

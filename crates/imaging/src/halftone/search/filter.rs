@@ -10,6 +10,7 @@ use crate::ImagingError;
 pub struct Filter {
     columns: usize,
     values: Vec<f64>,
+    mean_weight: f64,
 }
 
 /// Values of an autocorrelation, over its middle, below which its outer columns and rows are left out. With 3 %,
@@ -28,7 +29,30 @@ impl Filter {
             && rows % 2 == 1
             && values.iter().all(|value| value.is_finite())
             && values.iter().any(|value| *value != 0.0);
-        if usable { Ok(Self { columns, values }) } else { Err(ImagingError::Filter { columns, rows }) }
+        if usable {
+            Ok(Self { columns, values, mean_weight: 0.0 })
+        } else {
+            Err(ImagingError::Filter { columns, rows })
+        }
+    }
+
+    /// The same with a weight, 0 or more, of the mean error of areas of 32 x 32 pixels, over that of what the filter
+    /// passes. The least error of a pattern is not at its wanted mean: with weight w, a flat tone is off by 1/(1 + w) of
+    /// what it is without.
+    #[must_use]
+    pub fn keeping_means(self, weight: f64) -> Self {
+        Self { mean_weight: weight, ..self }
+    }
+
+    /// What the square of the sum of the errors of an area adds to the error, for areas of so many pixels.
+    pub(super) fn weight_of_area(&self, pixels: usize) -> f64 {
+        self.mean_weight * self.values.iter().sum::<f64>().powi(2) / pixels as f64
+    }
+
+    /// The values, by rows from the top.
+    #[cfg(test)]
+    pub(in super::super) fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// Autocorrelation: `c(x) = sum of h(y) h(x + y)`, without its outer columns and rows of small values.

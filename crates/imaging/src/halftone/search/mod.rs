@@ -1,7 +1,11 @@
 //! Direct binary search: the halftone whose filtered picture is nearest to the wanted one.
 //!
 //! The error is `E = sum over coordinates and pixels of (h * (shown - wanted))^2` with a filter h for each
-//! coordinate: what the eye and the stack pass. In a pass, each pixel tries every other state, alone
+//! coordinate: what the eye and the stack pass. This error alone has its minimum beside the wanted mean: a tone whose
+//! pattern is less visible gains more than the tone costs, and up to a few per cent of a lighter state vanish in a
+//! darker one. Therefore E has a second term, `w C S^2/n` for each area of n = 32 x 32 pixels, with the sum S of its
+//! errors and the weight w of [`Filter::keeping_means`] (C is the square of the sum of h); a flat tone is then off by
+//! 1/(1 + w) of that. In a pass, each pixel tries every other state, alone
 //! and with every other state of one of its neighbours (of more than 8 states, the 8 that are best alone, and the
 //! exchange), and takes the best change if it lowers E; the search ends when no pixel finds any. Beyond the
 //! borders nothing is wrong.
@@ -9,7 +13,7 @@
 //! **Method.** M. Analoui and J. P. Allebach, Proc. SPIE 1666, 96 (1992): with the autocorrelation c of the
 //! filter and the error correlated with it, `r = c * (shown - wanted)`, a change of a pixel by d changes E by
 //! `2 d r + d^2 c(0)`, that of two pixels by the sum of both and `2 d d' c(x)`, x from one to the other, and only
-//! an accepted change updates r, in reach of c.
+//! an accepted change updates r, in reach of c. The term of an area adds `w C S/n` to r, and `w C/n` to c within it.
 //!
 //! Values of c below 1 % of its middle are left out, by columns and rows. Bands of rows are searched by several
 //! threads, each leaving alone what the others reach: the result has the same bits with any number of them.
@@ -61,7 +65,8 @@ pub struct Searched {
 
 /// Fixed pixels, threads, and how a search is watched and stopped.
 pub struct SearchControl<'a> {
-    /// Whether each pixel keeps the state of the start; empty: none does. The light of those that do is seen by the others.
+    /// Whether each pixel keeps the state of the start; empty: none does. The light of those that do is seen by the others,
+    /// but does not count for the mean of their area.
     pub fixed: &'a [bool],
     /// Whether each pixel takes only states that `allowed` marks; empty: none does.
     pub few: &'a [bool],
@@ -116,7 +121,7 @@ pub fn direct_binary_search<const N: usize>(
         |colour: &[f64; N]| metric.map(|row| row.iter().zip(colour).map(|(m, value)| m * value).sum::<f64>());
     let costs = Costs::new(&palette.iter().map(in_metric).collect::<Vec<_>>(), allowed, filters);
     let metric = metric.map(|row| row.map(|one| one as f32));
-    let shown = Shown { wanted, columns, states: start, metric };
+    let shown = Shown { wanted, columns, states: start, fixed, metric };
     let Some((mut field, mut error)) = Field::new(shown, &costs, (threads, stop)) else {
         searched.states = start.to_vec();
         return Ok(searched);
