@@ -280,9 +280,12 @@ impl<const N: usize> Lanes<N> {
             }
             for (row, alone) in near.iter().zip(&alone) {
                 for to in 0..LANES {
-                    let cost = alone + there[to] + row[to];
+                    let cost = alone + row[to];
                     smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
                 }
+            }
+            for (cost, there) in smallest.iter_mut().zip(&there) {
+                *cost += there;
             }
             if !any_below(&smallest, lowest) {
                 continue;
@@ -290,7 +293,7 @@ impl<const N: usize> Lanes<N> {
             for (to, cost) in smallest.into_iter().enumerate() {
                 if cost < lowest {
                     let is_it = |state: &usize| {
-                        here[*state] - near[*state][other] + there[to] + near[*state][to] == cost
+                        here[*state] - near[*state][other] + near[*state][to] + there[to] == cost
                     };
                     let state = (0..LANES).find(is_it).unwrap_or(own);
                     lowest = cost;
