@@ -375,17 +375,17 @@ fn refined_error_diffusion_has_less_visible_pattern_than_error_diffusion() {
     assert!(error(&found) < 0.85 * error(&diffused), "{} {}", error(&found), error(&diffused));
 }
 
-/// The searches keep flat tones, which without a weight of their means were off by up to a tenth.
+/// The searches keep flat tones, which are off by up to 4 % without a weight of their means.
 #[test]
 fn searched_halftones_keep_flat_tones() {
     let inks = inks();
     let [black, white] = [&inks.colours[0], &inks.colours[1]].map(|one| [one.X, one.Y, one.Z]);
     for halftone in [Halftone::RefinedErrorDiffusion, Halftone::DirectBinarySearch] {
-        for part in [0.03, 0.12, 0.3, 0.6, 0.97] {
+        for part in [0.03, 0.2, 0.3, 0.6, 0.97] {
             let tone = [0, 1, 2].map(|k| black[k] + part * (white[k] - black[k]));
             let states = halftoned(&inks, &settings(halftone), &[single(tone); 64 * 64]);
             let shown = states.iter().map(|state| inks.colours[usize::from(*state)].Y).sum::<f64>() / 4096.0;
-            assert!((shown / tone[1] - 1.0).abs() < 0.015, "{halftone:?} {part}: {shown} {}", tone[1]);
+            assert!((shown / tone[1] - 1.0).abs() < 0.005, "{halftone:?} {part}: {shown} {}", tone[1]);
         }
     }
 }
