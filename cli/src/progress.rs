@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, stderr};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, Once, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -90,9 +90,17 @@ pub(crate) struct FractionBar {
     fraction: ProgressFraction,
     /// The fraction and the paths of the report that is shown.
     last: Mutex<(f64, u64)>,
+    /// The part that was known before.
+    first: OnceLock<f64>,
     started: Instant,
     judged: Judged,
 }
+
+/// Time after which a fraction tells how long the rest takes, and the fraction that is computed by then.
+const ESTIMATED_AFTER: (Duration, f64) = (Duration::from_secs(5), 0.02);
+
+/// Time within which a fraction is of work that was known before.
+const KNOWN_WITHIN: Duration = Duration::from_secs(1);
 
 impl FractionBar {
     /// A bar on standard error, visible only on a terminal.
@@ -106,6 +114,7 @@ impl FractionBar {
             bar,
             fraction: ProgressFraction::default(),
             last: Mutex::default(),
+            first: OnceLock::new(),
             started: Instant::now(),
             judged: Judged::default(),
         }
@@ -128,7 +137,13 @@ impl FractionBar {
         let fraction = self.fraction.advance(fraction);
         self.judged.judge(fraction, self.started.elapsed(), between_lines().min(JUDGED_AFTER));
         self.bar.set_position((POSITIONS as f64 * fraction) as u64);
-        self.bar.set_message(words);
+        let elapsed = self.started.elapsed();
+        let known = || if elapsed < KNOWN_WITHIN { fraction } else { 0.0 };
+        let done = fraction - self.first.get_or_init(known);
+        let is_known = elapsed >= ESTIMATED_AFTER.0 && done >= ESTIMATED_AFTER.1;
+        let left = if is_known { time_left(elapsed, done, 1.0 - fraction) } else { String::new() };
+        let parts = [words, left].into_iter().filter(|part| !part.is_empty());
+        self.bar.set_message(parts.collect::<Vec<_>>().join(", "));
     }
 
     /// Prints a message above the bar.
@@ -211,7 +226,8 @@ impl Progress {
             let of_new = self.computed as f64 / (self.computed + remaining) as f64;
             self.judged.judge(of_new, self.started.elapsed(), between_lines().min(JUDGED_AFTER));
         }
-        self.bar.set_message(time_left(self.started.elapsed(), self.computed, remaining));
+        let left = time_left(self.started.elapsed(), self.computed as f64, remaining as f64);
+        self.bar.set_message(if left.is_empty() { left } else { format!(", {left}") });
     }
 }
 
@@ -269,16 +285,17 @@ impl Drop for Heartbeat {
     }
 }
 
-/// Estimated remaining time, from the mean time of the computed items (reused items take no time).
-fn time_left(elapsed: Duration, computed: usize, remaining: usize) -> String {
-    if computed == 0 || remaining == 0 {
+/// Estimated remaining time, from the time of what is computed (what was known takes none), in the unit of what
+/// remains; empty if nothing is computed, or nothing remains.
+fn time_left(elapsed: Duration, computed: f64, remaining: f64) -> String {
+    if computed <= 0.0 || remaining <= 0.0 {
         return String::new();
     }
-    let seconds = elapsed.as_secs_f64() / computed as f64 * remaining as f64;
+    let seconds = elapsed.as_secs_f64() / computed * remaining;
     match seconds {
-        s if s < 90.0 => format!(", {:.0} s left", s.max(1.0)),
-        s if s < 5400.0 => format!(", {:.0} min left", s / 60.0),
-        s => format!(", {:.1} h left", s / 3600.0),
+        s if s < 90.0 => format!("{:.0} s left", s.max(1.0)),
+        s if s < 5400.0 => format!("{:.0} min left", s / 60.0),
+        s => format!("{:.1} h left", s / 3600.0),
     }
 }
 
@@ -289,10 +306,10 @@ mod tests {
     #[test]
     fn remaining_time_excludes_reused_items() {
         let after = |seconds, computed, rest| time_left(Duration::from_secs(seconds), computed, rest);
-        assert_eq!(after(10, 5, 20), ", 40 s left");
-        assert_eq!(after(60, 1, 9), ", 9 min left");
-        assert_eq!(after(3600, 10, 100), ", 10.0 h left");
-        assert_eq!((after(10, 0, 20), after(10, 5, 0)), (String::new(), String::new()));
+        assert_eq!(after(10, 5.0, 20.0), "40 s left");
+        assert_eq!(after(60, 1.0, 9.0), "9 min left");
+        assert_eq!(after(3600, 0.1, 1.0), "10.0 h left");
+        assert_eq!((after(10, 0.0, 20.0), after(10, 5.0, 0.0)), (String::new(), String::new()));
     }
 
     #[test]

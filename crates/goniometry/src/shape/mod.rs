@@ -534,7 +534,8 @@ mod tests {
         let flat = |squared: f64| 1.0 / (1.0 + squared.powi(3));
         let flatter = |squared: f64| (-squared.powi(4)).exp();
         let core = |squared: f64| (-squared).exp() + 0.01;
-        let lobes: [(usize, f64, &dyn Fn(f64) -> f64); 9] = [
+        type Profile<'a> = &'a dyn Fn(f64) -> f64;
+        let lobes: [(usize, f64, Profile<'_>); 9] = [
             (0, 0.03, &flat),
             (0, 0.05, &flatter),
             (0, 0.08, &flatter),

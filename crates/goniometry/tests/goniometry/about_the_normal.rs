@@ -4,9 +4,12 @@ use std::f64::consts::PI;
 
 use papilio_goniometry::{Audit, Channel, Geometry, MeasuredPart, ScatterMode, SphericalGrid};
 
+/// A lobe over the differences of direction cosines from the specular direction, along and across the plane of incidence.
+type Lobe<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 /// Integral of a lobe over the directions of the hemisphere, times the cosine: over the unit disc about (s, 0), by the
 /// midpoint rule in azimuth and in t, with `r = w sinh t`.
-fn total(lobe: &dyn Fn(f64, f64) -> f64, sine: f64, width: f64) -> f64 {
+fn total(lobe: Lobe<'_>, sine: f64, width: f64) -> f64 {
     const AROUND: usize = 240;
     const STEPS: usize = 240;
     let mut sum = 0.0;
@@ -27,12 +30,7 @@ fn steps(from: f64, to: f64, step: f64) -> Vec<f64> {
     (0..=((to - from) / step).round() as usize).map(|k| from + step * k as f64).collect()
 }
 
-fn measured(
-    incidences: &[f64],
-    inclination_deg: f64,
-    azimuth_deg: f64,
-    lobe: &dyn Fn(f64, f64) -> f64,
-) -> MeasuredPart {
+fn measured(incidences: &[f64], inclination_deg: f64, azimuth_deg: f64, lobe: Lobe<'_>) -> MeasuredPart {
     let geometry = Geometry::Spherical(SphericalGrid {
         theta_i_deg: incidences.to_vec(),
         phi_i_deg: vec![0.0],
@@ -67,7 +65,7 @@ fn audited(width: f64, azimuth_deg: f64, lobe: &dyn Fn(f64, f64) -> f64) -> Vec<
 fn totals_of_round_lobes_do_not_depend_on_the_azimuths() {
     let power = |width: f64| move |x: f64, y: f64| (1.0 + (x * x + y * y) / (width * width)).powf(-1.5);
     let gaussian = |width: f64| move |x: f64, y: f64| (-(x * x + y * y) / (width * width)).exp();
-    let lobes: [(f64, f64, &dyn Fn(f64, f64) -> f64); 5] = [
+    let lobes: [(f64, f64, Lobe<'_>); 5] = [
         (0.1, 30.0, &power(0.1)),
         (0.02, 15.0, &power(0.02)),
         (0.35, 5.0, &power(0.35)),
@@ -92,7 +90,7 @@ fn grid_error_covers_lobes_that_are_not_round() {
         move |x: f64, y: f64| (1.0 + (x * x + (across * y).powi(2)) / (width * width)).powf(-1.5)
     };
     let oblique = |x: f64, y: f64| (1.0 + (x * x + y * y) / 0.01).powf(-1.5) * (-0.7 * x).exp();
-    let lobes: [(f64, f64, f64, &dyn Fn(f64, f64) -> f64); 4] = [
+    let lobes: [(f64, f64, f64, Lobe<'_>); 4] = [
         (0.05, 30.0, 1.0, &along(0.05, 0.5)),
         (0.1, 15.0, 0.6, &along(0.1, 2.0)),
         (0.35, 5.0, 0.02, &along(0.35, 0.5)),
