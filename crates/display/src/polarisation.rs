@@ -32,6 +32,9 @@ use crate::scene::{
     self, AngleMedium, Approximation, Method, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
 };
 
+/// What polarised light needs where the display has a colour filter.
+const NO_FILTER: &str = "a display without a colour filter above its pixels: polarised light from outside is not followed through one";
+
 /// What of a scene is polarised.
 struct Asked {
     /// The first key that says so.
@@ -70,7 +73,7 @@ impl Asked {
         } else if is_whole(scene) && has_coating(scene) {
             "bare faces and components above a liquid crystal (or a scatterer): the phase between s and p in a coating is not followed"
         } else if scene.display.filter().is_some() {
-            "a display without a colour filter above its pixels: light with its places counts as unpolarised"
+            NO_FILTER
         } else if !is_whole(scene)
             && self.polariser_deg.is_some_and(is_oblique)
             && self.vibrations.iter().flatten().any(mixes)
@@ -125,7 +128,7 @@ fn check_scatterers(scene: &Scene) -> Result<(), DisplayError> {
     } else if layers.iter().any(depolarises) {
         "no other scatterer than those of `depolarisation` = 0: s and p are kept to the end or to the first scatterer"
     } else if scene.display.filter().is_some() {
-        "a display without a colour filter above its pixels: light with its places counts as unpolarised"
+        NO_FILTER
     } else if Meetings::with_mirror(scene, 0..0).is_none() {
         "a pixel that is a mirror: what others scatter is unpolarised"
     } else {

@@ -215,10 +215,10 @@ impl Setup {
 
     /// Refuses polarised light if the pixel is known for unpolarised light alone.
     fn checked(self) -> Result<Self, DisplayError> {
-        match polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
-            true => Err(DisplayError::CrystalFringes),
-            false => Ok(self),
+        if polarisation::needs_whole(&self.scene) && self.stack.mueller().is_none() {
+            return Err(DisplayError::CrystalFringes);
         }
+        Ok(self)
     }
 
     /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers above paper alone.

@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
-use papilio_display::{Label, capitalised, uncapitalised};
+use papilio_display::{Label, uncapitalised};
 use papilio_figures::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance, label, variable_label};
@@ -149,8 +149,8 @@ fn axis(key: &ScatteredKey) -> String {
     let own = label(path);
     let quantity = match key.paths.len() {
         _ if key.name == path => own.quantity,
-        2.. => format!("{}: {}", capitalised(&key.name), uncapitalised(&own.quantity)),
-        _ => capitalised(&key.name),
+        2.. => format!("{}: {}", variable_label(&key.name).quantity, uncapitalised(&own.quantity)),
+        _ => variable_label(&key.name).quantity,
     };
     Label::new(quantity, own.unit).to_string()
 }

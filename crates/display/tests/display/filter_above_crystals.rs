@@ -187,11 +187,14 @@ fn crosstalk_below_a_filter_agrees() {
     };
     let (adding, paths) =
         (of(&["solver.method=adding"]), of(&["solver.method=monte-carlo", "solver.paths=4096"]));
+    let mut compared = 0;
     for (adding, paths) in adding.patterns.iter().zip(&paths.patterns) {
         let (Some(a), Some(b)) = (adding.values.contrast_ratio, paths.values.contrast_ratio) else {
             continue;
         };
         let error = paths.error.contrast_ratio.unwrap();
         assert!((a - b).abs() < 4.5 * error + 2e-3 * a, "{}: {a} {b} ({error})", adding.name.name());
+        compared += 1;
     }
+    assert!(compared >= 3, "{compared}");
 }
