@@ -73,7 +73,7 @@ pub use measurement::{
     Channel, MeasuredPart, Measurement, Provenance, ScatterMode, may_be_relative, tis_in_percent,
 };
 pub use models::{Kind, Meaning, Model, Normalisation};
-pub use patch_rings::{ring_patch_lights, ring_patch_means};
+pub use patch_rings::{lobe_patch_means, ring_patch_lights, ring_patch_means};
 pub use scattered::{PairError, PairErrors, PairInterpolation};
 pub use shape::{Fill, Shape, on_specular_grid};
 pub use tree::patch_means;

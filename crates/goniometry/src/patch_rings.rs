@@ -2,12 +2,18 @@
 //!
 //! Both sides are averaged: light over the inclinations and azimuths of its patch, and viewers over theirs. A
 //! lobe may be much narrower than a patch, because the rings follow it. Light of a patch comes evenly from
-//! its projected solid angle, so that the means of a reciprocal sample are symmetric: what the rule of the
-//! rings leaves of an asymmetry is averaged, and factors close to 1 give each column the sum of the light
-//! that the sample scatters.
+//! its projected solid angle, so that the means of a reciprocal sample are symmetric. Factors close to 1 give each
+//! column the sum of the light that the sample scatters. Cells of the rings cross the edges of patches: a mean is the light that arrives, over
+//! the solid angle of the same cells, so that a perfect diffuser is the same between all patches.
+
+use std::f64::consts::PI;
+
+use papilio_optics::{Beta, Scatterer};
 
 use crate::geometry::projected_solid_angle;
-use crate::{Ring, SpecularGrid, patch_count};
+use crate::{
+    Changes, GoniometryError, MeasuredPart, Preparation, Ring, SpecularGrid, Symmetry, kernel, patch_count,
+};
 
 /// Nodes and weights of Gauss and Legendre's rule on 0 to 1.
 const GAUSS: [[f64; 2]; 4] = [
@@ -46,8 +52,9 @@ fn squared_sines(rings: &[Ring], k: usize) -> [f64; 2] {
     edges.map(|theta| theta.to_radians().sin().powi(2))
 }
 
-/// Returns the mean of f between patches, `[in][out]`, 1/sr, for each channel: its values on `grid`, whose
-/// incidences are [`ring_patch_lights`], and the fraction of the light that each incidence scatters.
+/// Returns the mean of f between patches, `[in][out]`, 1/sr, of a display for each channel: its values on `grid`,
+/// whose incidences are [`ring_patch_lights`], and the fraction of the light that each incidence scatters. A display
+/// is reciprocal: what the rule of the rings leaves of an asymmetry is averaged.
 ///
 /// `None` if the lengths do not match.
 pub fn ring_patch_means(
@@ -55,17 +62,90 @@ pub fn ring_patch_means(
     channels: &[(&[f64], &[f64])],
     rings: &[Ring],
 ) -> Option<Vec<Vec<f64>>> {
+    let means = arrived(grid, channels, rings)?;
+    Some(means.iter().map(|(means, totals)| symmetric(means, totals, rings)).collect())
+}
+
+/// Fineness of the totals of a lobe.
+const FINENESS: usize = 5;
+/// Azimuths about the mirror direction at which [`lobe_patch_means`] reads a lobe, degrees from 0 to 180.
+const LOBE_AZIMUTHS: u32 = 37;
+/// Steps of its distances from the mirror direction: part of the lobe's width near the peak, part of the distance
+/// beyond, and degrees at most.
+const LOBE_STEPS: (f64, f64) = (0.05, 2.0);
+
+/// Returns the mean of f between patches, `[in][out]`, 1/sr, of one channel of an isotropic sample: of the smooth
+/// lobe that a display has of it ([`kernel`]). Tails are extrapolated, and the last lobe is used beyond the largest
+/// incidence.
+///
+/// # Errors
+/// Those of [`kernel`].
+pub fn lobe_patch_means(
+    part: &MeasuredPart,
+    channel: usize,
+    rings: &[Ring],
+) -> Result<(Vec<f64>, Changes), GoniometryError> {
+    let preparation = Preparation { extrapolate: Some(1.0), ..Preparation::default() };
+    let (lobe, changes) = kernel(part, channel, &preparation, &[])?;
+    let (step, most) = LOBE_STEPS;
+    let mut radials_deg = vec![0.0];
+    while let Some(last) = radials_deg.last().copied().filter(|last| *last < 180.0) {
+        let wide: f64 = lobe.width().to_degrees();
+        radials_deg.push((last + (step * wide.max(last)).min(most)).min(180.0));
+    }
+    let azimuths_deg =
+        (0..LOBE_AZIMUTHS).map(|k| 180.0 * f64::from(k) / f64::from(LOBE_AZIMUTHS - 1)).collect();
+    let grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: ring_patch_lights(rings),
+        azimuths_deg,
+        radials_deg,
+        symmetry: Symmetry::Plane,
+    };
+    let from = |theta_deg: f64| Beta { x: theta_deg.to_radians().sin(), y: 0.0 };
+    let mut values = Vec::with_capacity(grid.cells());
+    for theta_deg in &grid.incidences_deg {
+        for azimuth_deg in &grid.azimuths_deg {
+            values.extend(grid.radials_deg.iter().map(|radial_deg| {
+                let to = SpecularGrid::direction(*theta_deg, *azimuth_deg, *radial_deg);
+                to.map_or(0.0, |to| lobe.evaluate(from(*theta_deg), to.leaving()))
+            }));
+        }
+    }
+    let totals: Vec<f64> =
+        grid.incidences_deg.iter().map(|theta_deg| lobe.albedo_by(from(*theta_deg).x, FINENESS)).collect();
+    let mut means = arrived(&grid, &[(&values, &totals)], rings).unwrap_or_default();
+    let (mut means, totals) = means.pop().ok_or(GoniometryError::NoGrid)?;
+    let omega = projected_solid_angle(rings);
+    for (column, total) in means.chunks_exact_mut(omega.len()).zip(of_patches(&totals, rings)) {
+        let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
+        if sum > 0.0 {
+            column.iter_mut().for_each(|f| *f *= total / sum);
+        }
+    }
+    Ok((means, changes))
+}
+
+/// Means of f between patches, `[in][out]`, 1/sr, and the fraction of the light that each ring scatters.
+type Means = (Vec<f64>, Vec<f64>);
+
+/// Returns [`Means`] of each channel: its values on `grid`, and the fraction of the light that each incidence
+/// scatters; `None` if the lengths do not match.
+fn arrived(grid: &SpecularGrid, channels: &[(&[f64], &[f64])], rings: &[Ring]) -> Option<Vec<Means>> {
     let lights = GAUSS.len() * rings.len();
     let fits = |(values, totals): &(&[f64], &[f64])| totals.len() == lights && values.len() == grid.cells();
     if grid.incidences_deg.len() != lights || !channels.iter().all(fits) {
         return None;
     }
+    // A perfect diffuser, of which all means are known.
+    let (one, all) = (vec![1.0; grid.cells()], vec![1.0; lights]);
+    let channels: Vec<(&[f64], &[f64])> = channels.iter().copied().chain([(&one[..], &all[..])]).collect();
     let none = || vec![vec![[0.0; AZIMUTHS]; rings.len()]; rings.len()];
     let mut arrived: Vec<Vec<Arrived>> = channels.iter().map(|_| none()).collect();
     let mut scattered = vec![vec![0.0; rings.len()]; channels.len()];
     for light in 0..lights {
         let (ring, weight) = (light / GAUSS.len(), GAUSS[light % GAUSS.len()][1]);
-        for (channel, found) in collected(grid, light, channels, rings).iter().enumerate() {
+        for (channel, found) in collected(grid, light, &channels, rings).iter().enumerate() {
             let total = channels[channel].1[light];
             let sum: f64 = found.iter().flatten().sum();
             let scale = if sum > 0.0 { weight * total / sum } else { 0.0 };
@@ -75,10 +155,11 @@ pub fn ring_patch_means(
             }
         }
     }
-    let of_channel = |(arrived, scattered): (&Vec<Arrived>, &Vec<f64>)| {
-        symmetric(&between(arrived, rings), scattered, rings)
+    let white = between(&arrived.pop()?, rings);
+    let of_channel = |(arrived, scattered): (&Vec<Arrived>, Vec<f64>)| {
+        (between(arrived, rings).iter().zip(&white).map(|(f, white)| f / white / PI).collect(), scattered)
     };
-    Some(arrived.iter().zip(&scattered).map(of_channel).collect())
+    Some(arrived.iter().zip(scattered).map(of_channel).collect())
 }
 
 /// Differences of the sine of inclination between light about an incidence, given by its index, and this
@@ -195,6 +276,11 @@ fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
     ((both(off) + both(360.0 - off.abs())) / width).min(1.0)
 }
 
+/// The number of each ring, for each of its patches.
+fn of_patches(of_rings: &[f64], rings: &[Ring]) -> impl Iterator<Item = f64> {
+    rings.iter().zip(of_rings).flat_map(|(ring, of_ring)| std::iter::repeat_n(*of_ring, ring.patches))
+}
+
 /// Number of steps towards the totals, each of which halves what is missing, at least.
 const STEPS: usize = 60;
 
@@ -204,9 +290,7 @@ fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
     let (count, omega) = (patch_count(rings), projected_solid_angle(rings));
     let reverse = |pair: usize| pair % count * count + pair / count;
     let found: Vec<f64> = (0..count * count).map(|pair| 0.5 * (means[pair] + means[reverse(pair)])).collect();
-    let of_patches =
-        rings.iter().zip(scattered).flat_map(|(ring, total)| std::iter::repeat_n(*total, ring.patches));
-    let totals: Vec<f64> = of_patches.collect();
+    let totals: Vec<f64> = of_patches(scattered, rings).collect();
     let mut factors = vec![1.0; count];
     for _ in 0..STEPS {
         let next = |patch: usize| {
@@ -221,10 +305,8 @@ fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use super::*;
-    use crate::{KLEMS_FULL, Symmetry};
+    use crate::{Channel, Geometry, KLEMS_FULL, ScatterMode, SphericalGrid};
 
     /// Means of a lobe f of the distance between viewer and mirror direction in direction cosines; `total` is
     /// what it scatters.
@@ -285,7 +367,7 @@ mod tests {
     fn perfect_white_is_the_same_between_all_patches() {
         let found = means(|_| 1.0 / PI, |_| 1.0);
         for (pair, f) in found.iter().enumerate() {
-            assert!((f * PI - 1.0).abs() < 0.02, "{} to {}: {}", pair / 145, pair % 145, f * PI);
+            assert!((f * PI - 1.0).abs() < 1e-9, "{} to {}: {}", pair / 145, pair % 145, f * PI);
         }
     }
 
@@ -311,7 +393,8 @@ mod tests {
                 }
             }
             let next = found[1];
-            assert!(found[1..9].iter().all(|f| (f / next - 1.0).abs() < 1e-9));
+            // Rings of other numbers of patches beside it have factors of their own.
+            assert!(found[1..9].iter().all(|f| (f / next - 1.0).abs() < 1e-6));
             // Direction cosines of the patch and of the ring, at equal areas.
             let [near, far] = [5.0_f64, 15.0].map(|theta| theta.to_radians().sin().powi(2));
             let (mut sum, n) = (0.0, 100);
@@ -321,7 +404,55 @@ mod tests {
                 let (sin, cos) = (PI * c).sin_cos();
                 sum += lobe((r - s * cos).hypot(s * sin)) / f64::from(n * n * n);
             }
-            assert!((next / sum - 1.0).abs() < 0.01, "{width}: {next} {sum}");
+            assert!((next / sum - 1.0).abs() < 0.002, "{width}: {next} {sum}");
+        }
+    }
+
+    /// A lobe of 10 deg half width on a constant, on a grid about the normal in steps of 5, 2.5 and 5 deg, against Gauss
+    /// sums between the patch about the normal and each ring, from both sides.
+    #[test]
+    fn lobe_on_a_coarse_grid_is_averaged_between_its_values() {
+        let lobe = |square: f64| 2.0 / (1.0 + square / 0.0625).powi(2) + 0.1;
+        let grid = SphericalGrid {
+            theta_i_deg: (0..18).map(|k| 5.0 * f64::from(k)).collect(),
+            phi_i_deg: vec![0.0],
+            theta_o_deg: (0..=36).map(|k| 2.5 * f64::from(k)).collect(),
+            phi_o_deg: (0..=36).map(|k| 5.0 * f64::from(k)).collect(),
+        };
+        let mut values = Vec::new();
+        for from in &grid.theta_i_deg {
+            for to in &grid.theta_o_deg {
+                for turn in &grid.phi_o_deg {
+                    let [from, to] = [from, to].map(|theta| theta.to_radians().sin());
+                    values.push(lobe(from * from + to * to + 2.0 * from * to * turn.to_radians().cos()));
+                }
+            }
+        }
+        let part = MeasuredPart {
+            way: ScatterMode::FrontReflection,
+            channels: vec![Channel::Monochrome],
+            geometry: Geometry::Spherical(grid),
+            values,
+            tis: Vec::new(),
+        };
+        let means = lobe_patch_means(&part, 0, &KLEMS_FULL).unwrap().0;
+        let mut first = 0;
+        for (k, ring) in KLEMS_FULL.iter().enumerate() {
+            let [near, far] = [0, k].map(|k| squared_sines(&KLEMS_FULL, k));
+            let mut mean = 0.0;
+            for [x, one] in GAUSS {
+                for [y, other] in GAUSS {
+                    let [a, b] = [(near, x), (far, y)].map(|([low, high], x)| low + (high - low) * x);
+                    let around =
+                        |turn: i32| a + b - 2.0 * (a * b).sqrt() * (PI * f64::from(turn) / 90.0).cos();
+                    mean += one * other * (0..180).map(|turn| lobe(around(turn))).sum::<f64>() / 180.0;
+                }
+            }
+            for (there, back) in (first..first + ring.patches).map(|k| (means[k], means[145 * k])) {
+                assert!((there / mean - 1.0).abs() < 1.5e-3, "{k}: {there} {mean}");
+                assert!((back / mean - 1.0).abs() < 1.5e-3, "{k}: {back} {mean}");
+            }
+            first += ring.patches;
         }
     }
 }

@@ -1,13 +1,11 @@
-//! Writer of Klems matrices as XML. Patches are copied; grids are averaged over the patches of the full
-//! basis.
+//! Writer of Klems matrices as XML. Patches are copied; the lobes of other files are averaged over the patches of the
+//! full basis.
 
-use std::borrow::Cow;
-use std::collections::HashMap;
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Direction, Fill, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, Shape, Symmetry,
-    on_specular_grid, patch_count, patch_means, projected_solid_angle,
+    Changes, Channel, Direction, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Ring, lobe_patch_means,
+    patch_count, patch_means,
 };
 
 use super::LARGEST_VALUE;
@@ -61,11 +59,10 @@ impl<'a> PatchMeans<'a> {
             }
             return Ok(Self { part, channels, incoming, outgoing, values });
         }
-        let gridded = between_pairs(part)?;
         lost.push(format!("the {} was averaged over the patches of the full Klems basis", part.way.name()));
         let mut values = Vec::new();
         for number in numbers {
-            let averages = averages(&gridded, number, lost);
+            let averages = averages(part, number, lost)?;
             if let Some(&value) = averages.iter().find(|value| !(0.0..=LARGEST_VALUE).contains(*value)) {
                 let what = "the mean over a pair of patches".to_owned();
                 return Err(WriteError::Number { what, way: part.way.name(), value });
@@ -113,162 +110,77 @@ fn choose_channels(
 /// Number of integration points of each patch, in theta and in azimuth, the same for light and viewer: the
 /// means of reciprocal values are reciprocal.
 const POINTS: [usize; 2] = [4, 4];
-/// Number of azimuths of a patch of an isotropic sample, of which only the difference of light and viewer
-/// counts.
-const AZIMUTHS: usize = 6;
 
-/// Returns the mean of f for each pair of patches, weighted with both cosines.
-fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Vec<f64> {
+/// Returns the mean of f for each pair of patches, weighted with both cosines: of the smooth lobe of an isotropic
+/// sample, otherwise over points of both patches.
+fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
     if let Geometry::Tree(tree) = &part.geometry {
-        return patch_means(tree, part.channel(channel), &KLEMS_FULL);
+        return Ok(patch_means(tree, part.channel(channel), &KLEMS_FULL));
     }
-    let from = patches(&KLEMS_FULL, POINTS);
-    let to = &from;
-    let mean = |light: &Patch, viewer: &Patch| {
-        let pairs = light.points_to(viewer, part.geometry.is_isotropic());
-        let (sum, count) = pairs
-            .into_iter()
-            .filter_map(|[i, o]| part.evaluate(channel, i.specular(), o))
-            .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
-        (count > 0.0).then(|| sum / count)
-    };
-    let mut known = HashMap::new();
-    let mut empty = false;
-    let mut values = Vec::with_capacity(from.len() * to.len());
-    for light in &from {
-        for viewer in to {
-            let class = light.equivalence_class(viewer, &part.geometry);
-            let f: &mut Option<f64> = known.entry(class).or_insert_with(|| mean(light, viewer));
-            empty |= f.is_none();
-            values.push(f.unwrap_or(0.0));
+    let is_list = matches!(part.geometry, Geometry::Pairs(_));
+    if is_list || part.geometry.is_isotropic() {
+        match lobe_patch_means(part, channel, &KLEMS_FULL) {
+            Ok((means, changes)) => {
+                extrapolated(&changes, part, lost);
+                return Ok(means);
+            }
+            Err(_) if is_list => {
+                let what = "fewer than 12 different pairs of directions, or no light";
+                return Err(WriteError::CannotHold { format: KLEMS, what });
+            }
+            // Values that no lobe has.
+            Err(_) => {}
         }
     }
-    if part.geometry.is_isotropic() {
-        conserve(part, channel, &from, &mut values);
+    let patches = patches(&KLEMS_FULL, POINTS);
+    let mut empty = false;
+    let mut values = Vec::with_capacity(patches.len() * patches.len());
+    for light in &patches {
+        for viewer in &patches {
+            let pairs = light.iter().flat_map(|i| viewer.iter().map(move |o| (i.specular(), *o)));
+            let (sum, count) = pairs
+                .filter_map(|(i, o)| part.evaluate(channel, i, o))
+                .fold((0.0, 0.0), |(sum, count), f| (sum + f, count + 1.0));
+            empty |= count == 0.0;
+            values.push(if count > 0.0 { sum / count } else { 0.0 });
+        }
     }
     if empty && !lost.iter().any(|line| line == UNMEASURED) {
         lost.push(UNMEASURED.to_owned());
     }
-    values
+    Ok(values)
 }
 
-/// Smallest number of listed pairs.
-const FEWEST_PAIRS: usize = 12;
-
-/// Returns a part with listed pairs on a grid about the specular direction, interpolated; other parts as they are.
-fn between_pairs(part: &MeasuredPart) -> Result<Cow<'_, MeasuredPart>, WriteError> {
-    let Geometry::Pairs(pairs) = &part.geometry else { return Ok(Cow::Borrowed(part)) };
-    let all: Vec<usize> = (0..part.channels.len()).collect();
-    let what = "fewer than 12 different pairs of directions, or no light";
-    let found = on_specular_grid(part, &all).filter(|_| pairs.len() >= FEWEST_PAIRS);
-    let (grid, values) = found.ok_or(WriteError::CannotHold { format: KLEMS, what })?;
-    let (channels, geometry) = (part.channels.clone(), Geometry::Specular(grid));
-    Ok(Cow::Owned(MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() }))
-}
-
-/// Largest relative uncertainty of a total from the grid with which columns are scaled to it.
-const COARSE: f64 = 0.02;
-
-/// Scales the columns so that their sums are the totals of the smooth lobe, which linear interpolation misses
-/// by a few per cent. Light of patches is the mean over the measured directions in them; the total thus
-/// includes extrapolated tails.
-fn conserve(part: &MeasuredPart, channel: usize, from: &[Patch], values: &mut [f64]) {
-    let Some(shape) = Shape::of_part(part, channel, Fill::Beyond) else { return };
-    // A coarse grid leaves the total uncertain: then the plain means remain.
-    if (0..shape.incidences_deg().count()).any(|k| shape.grid_error(k) > COARSE) {
-        return;
-    }
-    let totals: Vec<[f64; 2]> =
-        shape.incidences_deg().enumerate().map(|(k, theta)| [theta, shape.total(k)]).collect();
-    let total = |theta: f64| {
-        let upper = totals.iter().position(|[known, _]| *known >= theta)?;
-        let ([a, low], [b, high]) = (totals[upper.saturating_sub(1)], totals[upper]);
-        let t = if b > a { (theta - a) / (b - a) } else { 0.0 };
-        Some((1.0 - t) * low + t * high)
+/// Adds what of a lobe was not measured.
+fn extrapolated(changes: &Changes, part: &MeasuredPart, lost: &mut Vec<String>) {
+    let way = part.way.name();
+    let mut add = |line: String| {
+        if !lost.contains(&line) {
+            lost.push(line);
+        }
     };
-    let omega = projected_solid_angle(&KLEMS_FULL);
-    for (column, light) in values.chunks_exact_mut(omega.len()).zip(from) {
-        let measured: Vec<f64> = light.points.iter().filter_map(|from| total(from.theta_deg)).collect();
-        let sum: f64 = column.iter().zip(&omega).map(|(f, omega)| f * omega).sum();
-        if sum > 0.0 && !measured.is_empty() {
-            let scale = measured.iter().sum::<f64>() / measured.len() as f64 / sum;
-            // The total has an error of its own; closer than this, the sum is as accurate.
-            if (scale - 1.0).abs() > 1e-4 {
-                column.iter_mut().for_each(|f| *f *= scale);
-            }
-        }
+    let most = changes.beyond.iter().copied().max_by(|[_, one], [_, other]| one.total_cmp(other));
+    if let Some([theta, fraction]) = most.filter(|[_, fraction]| *fraction > SMALL) {
+        let percent = 100.0 * fraction;
+        add(format!(
+            "the tails of the {way} beyond the measured directions were extrapolated: {percent:.1} % of the light at {theta} deg of incidence"
+        ));
+    }
+    // The outermost patches begin there.
+    if changes.last_deg < KLEMS_FULL[KLEMS_FULL.len() - 1].from_deg {
+        add(format!(
+            "beyond {} deg of incidence, the lobe of the {way} at this incidence was used, shifted with the light",
+            changes.last_deg
+        ));
     }
 }
 
-/// A patch of a basis.
-struct Patch {
-    /// Ring, index within the ring, and number of patches of the ring.
-    ring: usize,
-    number: usize,
-    count: usize,
-    /// Points with equal fractions of the patch's projected solid angle.
-    points: Vec<Direction>,
-}
+/// Part of the light that may be extrapolated without a note.
+const SMALL: f64 = 1e-3;
 
-impl Patch {
-    /// Returns pairs of directions, through this patch and to `viewer`, with equal weights. Those of an
-    /// isotropic sample have the inclinations of the points, and differences of azimuth.
-    fn points_to(&self, viewer: &Self, isotropic: bool) -> Vec<[Direction; 2]> {
-        let pairs = |from: &[Direction], to: &[Direction]| -> Vec<[Direction; 2]> {
-            from.iter().flat_map(|i| to.iter().map(move |o| [*i, *o])).collect()
-        };
-        if !isotropic {
-            return pairs(&self.points, &viewer.points);
-        }
-        // Points with the same inclination follow each other.
-        let [along, around] = POINTS;
-        let inclinations = |patch: &Self| -> Vec<f64> {
-            patch.points.iter().step_by(around).take(along).map(|point| point.theta_deg).collect()
-        };
-        let turns = self.turns_to(viewer);
-        let of_thetas = |from: f64, to: f64| {
-            turns
-                .iter()
-                .map(move |turn| [Direction::new(from, 0.0), Direction::new(to, *turn)])
-                .collect::<Vec<_>>()
-        };
-        let (from, to) = (inclinations(self), inclinations(viewer));
-        from.iter().flat_map(|i| to.iter().flat_map(|o| of_thetas(*i, *o)).collect::<Vec<_>>()).collect()
-    }
-
-    /// Differences of azimuth between points of this patch and of `viewer`, degrees, with equal weights.
-    fn turns_to(&self, viewer: &Self) -> Vec<f64> {
-        let middle = |k: usize, count: usize| (k as f64 + 0.5) / count as f64 - 0.5;
-        let [own, other] = [self, viewer].map(|patch| 360.0 / patch.count as f64);
-        let apart = other * viewer.number as f64 - own * self.number as f64;
-        if self.count == 1 || viewer.count == 1 {
-            return (0..AZIMUTHS * AZIMUTHS).map(|k| 360.0 * middle(k, AZIMUTHS * AZIMUTHS)).collect();
-        }
-        let turn =
-            |k: usize| apart + other * middle(k % AZIMUTHS, AZIMUTHS) - own * middle(k / AZIMUTHS, AZIMUTHS);
-        (0..AZIMUTHS * AZIMUTHS).map(turn).collect()
-    }
-
-    /// Returns the equivalence class of a pair of patches; equivalent pairs have the same mean. For an
-    /// isotropic sample, pairs are equivalent if their rings and the azimuth between them are equal. The
-    /// azimuth is counted in multiples of a fraction of 360 deg that divides the patches of both rings.
-    fn equivalence_class(&self, viewer: &Self, geometry: &Geometry) -> [usize; 4] {
-        if !geometry.is_isotropic() {
-            return [self.ring, self.number, viewer.ring, viewer.number];
-        }
-        let parts = self.count * viewer.count;
-        if self.count == 1 || viewer.count == 1 {
-            // The patch about the normal has all azimuths.
-            return [self.ring, viewer.ring, 0, 0];
-        }
-        let turn = (viewer.number * self.count + parts - self.number * viewer.count) % parts;
-        let mirrored = matches!(geometry, Geometry::Specular(grid) if grid.symmetry == Symmetry::Plane);
-        [self.ring, viewer.ring, if mirrored { turn.min(parts - turn) } else { turn }, 0]
-    }
-}
-
-/// Returns the patches of a basis, with the given numbers of points in theta and in azimuth.
-fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Patch> {
+/// Returns points of each patch of a basis, with equal fractions of the patch's projected solid angle: the given
+/// numbers of them in theta and in azimuth.
+fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Vec<Direction>> {
     let mut patches = Vec::with_capacity(patch_count(rings));
     for (k, ring) in rings.iter().enumerate() {
         let to_deg = rings.get(k + 1).map_or(90.0, |next| next.from_deg);
@@ -280,8 +192,7 @@ fn patches(rings: &[Ring], [along, around]: [usize; 2]) -> Vec<Patch> {
                 let turn = number as f64 - 0.5 + ((index % around) as f64 + 0.5) / around as f64;
                 Direction::new(sin2.sqrt().asin().to_degrees(), 360.0 * turn / ring.patches as f64)
             };
-            let points = (0..along * around).map(point).collect();
-            patches.push(Patch { ring: k, number, count: ring.patches, points });
+            patches.push((0..along * around).map(point).collect());
         }
     }
     patches

@@ -439,7 +439,9 @@ fn klems_matrices_are_means_over_both_patches_and_reciprocal() {
         }
         // The column of normal incidence is the same at all azimuths.
         for (first, (_, count)) in [1, 9, 25, 45, 69, 93, 117, 133].into_iter().zip(&RINGS[1..]) {
-            assert!((first..first + count).all(|row| (matrix[row][0] / matrix[first][0] - 1.0).abs() < 1e-5));
+            let off = |row: usize| (matrix[row][0] / matrix[first][0] - 1.0).abs();
+            // The factors of rings with other numbers of patches differ by so much.
+            assert!((first..first + count).all(|row| off(row) < 1e-4));
         }
         // Means of the wide lobe; those of the narrow one between patches that do not touch, which points
         // resolve.
@@ -450,7 +452,7 @@ fn klems_matrices_are_means_over_both_patches_and_reciprocal() {
             // the narrow lobe between rings that are neighbours, and 0.2 % remain of both together.
             let [few, many] = [14, 28].map(|points| patch_mean(lobe, incoming, outgoing, points));
             let ratio = matrix[outgoing][incoming] / ((4.0 * many - few) / 3.0);
-            assert!((ratio - 1.0).abs() < 0.03, "{}, {incoming} to {outgoing}: {ratio}", lobe.b);
+            assert!((ratio - 1.0).abs() < 0.006, "{}, {incoming} to {outgoing}: {ratio}", lobe.b);
         }
         // The fraction of light from the patch about the normal that arrives in the next ring, by equal parts
         // of patch and lobe.
