@@ -7,11 +7,12 @@
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
+use papilio_optics::{Beta, Scatterer};
 
 use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation, resampling_errors};
 use crate::tree::{RING_DEG, ring_kernel};
 use crate::{
-    Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
+    Direction, Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
     incidence_scale,
 };
 
@@ -81,6 +82,9 @@ pub struct Changes {
     /// Incidence, degrees, and fraction of the light beyond the last measured distance if tails are
     /// extrapolated.
     pub beyond: Vec<[f64; 2]>,
+    /// Incidence, degrees, beyond the largest one, and fraction of its light that is farther from the specular direction
+    /// than anything that was measured.
+    pub held_beyond: Option<[f64; 2]>,
     /// True if tails are extrapolated there; otherwise that light is lost.
     pub tails: bool,
     /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
@@ -185,6 +189,7 @@ pub fn kernel(
         laminated: preparation.lamination.is_some(),
         measured_to_deg: least_measured_deg(&shape),
         beyond: beyond(&shape, &grid, &cells, (fill, extent)),
+        held_beyond: extrapolate.and_then(|_| held_beyond(&scatter, &shape)),
         tails: fill != Fill::None,
         held_azimuths_deg: shape.held_azimuths_deg(),
         held_single,
@@ -241,6 +246,7 @@ fn of_tree(
         laminated: preparation.lamination.is_some(),
         measured_to_deg: None,
         beyond: Vec::new(),
+        held_beyond: None,
         tails: false,
         held_azimuths_deg: None,
         held_single: false,
@@ -306,6 +312,41 @@ fn beyond(
         _ => 0.0,
     };
     with_tails.incidences_deg().enumerate().map(|(k, theta)| [theta, fraction(k)]).collect()
+}
+
+/// Incidence at which the light of a held lobe is examined, degrees.
+const HELD_DEG: f64 = 60.0;
+/// Points of its hemisphere, in the square of the inclination's sine and in azimuth.
+const HELD_POINTS: [usize; 2] = [100, 180];
+
+/// Incidence, degrees, for which the lobe of the largest measured one is used, and the fraction of its light that is
+/// farther from the specular direction than anything of that lobe that was measured; `None` if this incidence was
+/// measured.
+fn held_beyond(lobe: &Scatter, shape: &Shape) -> Option<[f64; 2]> {
+    let (last, last_deg) =
+        shape.incidences_deg().enumerate().last().filter(|(_, theta)| *theta < HELD_DEG)?;
+    let [from, of_last] = [HELD_DEG, last_deg].map(|theta| Beta { x: theta.to_radians().sin(), y: 0.0 });
+    let limit = shape.measured_to_deg(last).map_or(-1.0, |to_deg| to_deg.to_radians().cos());
+    let specular = Direction::new(last_deg, 0.0).vector();
+    let is_measured = |to: Beta| {
+        let [x, y] = [of_last.x + to.x - from.x, of_last.y + to.y - from.y];
+        let square = x * x + y * y;
+        square <= 1.0 && x * specular[0] + (1.0 - square).sqrt() * specular[2] >= limit
+    };
+    let [along, around] = HELD_POINTS;
+    let mut sum = 0.0;
+    for k in 0..along * around {
+        let [r, turn] =
+            [((k / around) as f64 + 0.5) / along as f64, ((k % around) as f64 + 0.5) / around as f64];
+        let (y, x) = (std::f64::consts::TAU * turn).sin_cos();
+        let to = Beta { x: r.sqrt() * x, y: r.sqrt() * y };
+        if !is_measured(to) {
+            sum += lobe.evaluate(from, to);
+        }
+    }
+    let beyond = std::f64::consts::PI * sum / (along * around) as f64;
+    let total = lobe.albedo_at(from.x);
+    (total > 0.0).then_some([HELD_DEG, beyond / total])
 }
 
 /// Smallest distance at which the measured cells of any incidence end before the horizon.

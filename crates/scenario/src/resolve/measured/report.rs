@@ -165,6 +165,14 @@ impl Resolver<'_> {
     /// Reports the treatment and the amount of light beyond the last measured distance from the specular
     /// direction.
     fn report_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
+        if let Some([theta, share]) = changes.held_beyond.filter(|[_, share]| *share >= REPORTED_CHANGE) {
+            let percent = 100.0 * share;
+            let reports = if share < MUCH_BEYOND { &mut self.notes } else { &mut self.warnings };
+            reports.push(format!(
+                "{path}: {way}: at {theta} deg of incidence, {percent:.1} % of the light is farther from the specular direction than anything \
+                 that was measured: this part is extrapolated"
+            ));
+        }
         let by_share = |a: &&[f64; 2], b: &&[f64; 2]| a[1].total_cmp(&b[1]);
         let ends = changes.beyond.iter().min_by(by_share).zip(changes.beyond.iter().max_by(by_share));
         let Some((to_deg, ([at_least, least], [at_most, most]))) = changes.measured_to_deg.zip(ends) else {
