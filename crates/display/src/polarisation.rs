@@ -350,23 +350,28 @@ fn media_between(stack: &Stack) -> Vec<Medium> {
     between.iter().map(|layer| layer.medium.clone()).collect()
 }
 
-/// Returns the scene for light with its places: s and p are followed through flat layers above paper, and the coherency matrix below flat layers above
-/// liquid crystals by paths and below colour filters; nothing elsewhere.
+/// Returns the scene for light with its places: s and p are followed through flat layers above mirrors and paper, and the coherency matrix below flat
+/// layers above liquid crystals by paths and below colour filters; nothing elsewhere.
 ///
 /// # Errors
-/// With a polariser or polarised light.
+/// With a polariser or polarised light, except for mirrors below flat layers.
 pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
-    if let Some(Asked { key, .. }) = Asked::of(scene) {
-        let needs = "`papilio run`, `cone` or `sweep`, or a picture on a liquid crystal without scatterer in light without lamps: other light \
-             with its places counts as unpolarised";
-        return Err(DisplayError::Polarised { key, needs });
+    if !is_flat_mirror(scene) {
+        check_unpolarised(scene)?;
     }
     let mut scene = scene.clone();
-    let is_kept = is_flat_paper(&scene) || is_whole_in_places(&scene);
-    if scene.solver.approximation == Approximation::None && !is_kept {
+    if scene.solver.approximation == Approximation::None && !is_kept_in_places(&scene) {
         scene.solver.approximation = Approximation::Unpolarised;
     }
     Ok(scene)
+}
+
+/// Refuses a polariser and polarised light.
+pub(crate) fn check_unpolarised(scene: &Scene) -> Result<(), DisplayError> {
+    let Some(Asked { key, .. }) = Asked::of(scene) else { return Ok(()) };
+    let needs = "`papilio run`, `cone` or `sweep`, mirrors below flat layers, or a picture on a liquid crystal without scatterer in light without \
+         lamps: other light with its places counts as unpolarised";
+    Err(DisplayError::Polarised { key, needs })
 }
 
 /// Returns the scene for pictures whose pixels have the colours of pages: as [`of_places`], but bare liquid crystals without lamps, whose images
@@ -387,18 +392,28 @@ fn is_whole_in_pages(scene: &Scene) -> bool {
     is_whole(scene) && scene.lighting.directed.is_empty()
 }
 
+/// Returns whether light with its places is followed as that of [`weights`] and [`kept`].
+fn is_kept_in_places(scene: &Scene) -> bool {
+    is_flat_mirror(scene) || is_flat_paper(scene) || is_whole_in_places(scene)
+}
+
 /// Returns a note if light with its places counts as unpolarised after each of several meetings with faces or films.
 pub fn note_of_places(scene: &Scene) -> Option<String> {
     let meets_several = || match Meetings::of(scene) {
         Some(meetings) => meetings.mix(),
         None => scene.display.panel().is_none() && !runs(scene).is_empty(),
     };
-    let is_apart = is_flat_paper(scene) || is_whole_in_places(scene) || is_whole_in_pages(scene);
+    let is_apart = is_kept_in_places(scene) || is_whole_in_pages(scene);
     (is_followed(scene) && !is_apart && meets_several()).then(|| {
         "light with its places counts as unpolarised after each face and film here, where `papilio run` keeps s and p apart: \
          several meetings at more than 45 deg are some per cent wrong"
             .to_owned()
     })
+}
+
+/// Returns whether all layers are flat above a mirror-like pixel.
+fn is_flat_mirror(scene: &Scene) -> bool {
+    scene.display.is_flat() && Meetings::of(scene).is_some()
 }
 
 /// Returns whether all layers are flat above a Lambertian pixel.
@@ -434,13 +449,10 @@ struct Meetings {
 }
 
 impl Meetings {
-    /// Those of a whole display; `None` if anything scatters without keeping s and p, or depends on place.
+    /// Those of a whole display; `None` if anything scatters without keeping s and p.
     fn of(scene: &Scene) -> Option<Self> {
-        let display = &scene.display;
-        if display.filter().is_some() || !display.layers.iter().all(keeps) {
-            return None;
-        }
-        Self::with_mirror(scene, 0..display.layers.len())
+        let layers = &scene.display.layers;
+        if layers.iter().all(keeps) { Self::with_mirror(scene, 0..layers.len()) } else { None }
     }
 
     /// Those of the interfaces of flat layers and the pixel; `None` if that is no mirror.

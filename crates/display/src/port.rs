@@ -23,6 +23,7 @@ use papilio_spectra::StateSpectra;
 use papilio_transport::walk::places::{Exit, PlacedWalk, RoundSample, Uniform, What};
 use papilio_transport::{ReflectanceFactor, Source};
 
+use crate::polarisation::check_unpolarised;
 use crate::scene::{Port, Scene};
 use crate::setup::Setup;
 use crate::{Control, DisplayError};
@@ -53,6 +54,7 @@ impl Kept {
     /// Computes the fractions of each source of a scene; `None` if its light has no port.
     pub(crate) fn of(scene: &Scene, control: &Control<'_>) -> Result<Option<Vec<Self>>, DisplayError> {
         let Some(port) = scene.lighting.port else { return Ok(None) };
+        check_unpolarised(scene)?;
         let setup = Setup::of_places(scene, control)?;
         let stack = setup.placed_by_direction()?;
         let (states, bins) = (stack.base().states(), stack.base().bins());

@@ -221,7 +221,7 @@ impl Setup {
         Ok(self)
     }
 
-    /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers above paper alone.
+    /// Prepares a scene, which may have a colour filter, for light with its places: s and p are kept apart by flat layers alone.
     pub(crate) fn of_places(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
         let mut scene = polarisation::of_places(scene)?;
         scene.lighting.port = None;
@@ -369,10 +369,41 @@ impl Setup {
         level: u32,
         control: &Control<'_>,
     ) -> Result<Vec<ReflectanceFactor>, DisplayError> {
+        self.seen_in_parts(view, level, control).map(all_of)
+    }
+
+    /// Computes the same as parts, each with the layers and the pixel that are those of its light: of s and of p, if they are
+    /// kept apart to the end, or of all light.
+    ///
+    /// # Errors
+    /// If the computation was stopped.
+    pub(crate) fn seen_in_parts(
+        &self,
+        view: &ViewPoint,
+        level: u32,
+        control: &Control<'_>,
+    ) -> Result<Vec<SeenPart<'_>>, DisplayError> {
+        let (stack, stop) = (&self.stack, control.stop);
         let mut kernel = Kernel::new(level).without_ledger();
-        let is_ready = kernel.prepare_unless(&self.stack, &[view.field], &self.sources, control.stop);
-        let seen = is_ready.then(|| kernel.seen_unless(&self.stack, 0, control.stop)).flatten();
-        seen.ok_or(DisplayError::Interrupted)
+        if !kernel.prepare_unless(stack, &[view.field], &self.sources, stop) {
+            return Err(DisplayError::Interrupted);
+        }
+        let of = |kernel: &Kernel, stack: &Stack| {
+            kernel.seen_unless(stack, 0, stop).ok_or(DisplayError::Interrupted)
+        };
+        let (Some(both), Some(kernels)) = (stack.polarised(), kernel.polarised(stack)) else {
+            return Ok(vec![SeenPart { stack, factors: of(&kernel, stack)? }]);
+        };
+        let weights = kernel.weights_by_source(stack);
+        let part = |(number, (stack, (kernel, _)))| {
+            let mut factors = of(kernel, stack)?;
+            for (ReflectanceFactor { via_pixel, front }, weights) in factors.iter_mut().zip(&weights) {
+                let weight: f64 = weights[number];
+                via_pixel.iter_mut().chain(front).for_each(|value| *value *= weight);
+            }
+            Ok(SeenPart { stack, factors })
+        };
+        both.iter().zip(kernels).enumerate().map(part).collect()
     }
 
     /// The stack, for light with its places by a method that does not know azimuths.
@@ -437,6 +468,26 @@ impl Setup {
         }
         base.is_specular()
     }
+}
+
+/// A part of what a view sees of each source.
+pub(crate) struct SeenPart<'s> {
+    /// Layers and pixel for its light.
+    pub(crate) stack: &'s Stack,
+    /// By source; those of all parts add up to what is seen.
+    pub(crate) factors: Vec<ReflectanceFactor>,
+}
+
+/// Returns what is seen in all parts together.
+pub(crate) fn all_of(parts: Vec<SeenPart<'_>>) -> Vec<ReflectanceFactor> {
+    let sum = |mut sum: Vec<ReflectanceFactor>, part: Vec<ReflectanceFactor>| {
+        for (sum, more) in sum.iter_mut().zip(part) {
+            sum.via_pixel.iter_mut().zip(more.via_pixel.iter()).for_each(|(sum, more)| *sum += more);
+            sum.front.iter_mut().zip(more.front).for_each(|(sum, more)| *sum += more);
+        }
+        sum
+    };
+    parts.into_iter().map(|part| part.factors).reduce(sum).unwrap_or_default()
 }
 
 /// Returns the observer of the reported colours, if it is not that of 1931.

@@ -190,8 +190,8 @@ impl Panel {
         self.polarisations().iter().map(of).collect()
     }
 
-    /// Returns the reflectance of the face above a medium of this index, for s and p; twice the mean of both if they are not
-    /// kept apart. `beta` is 0 to 1.
+    /// Returns the reflectance of the face above a medium of this index, for s and p; if they are not kept apart, twice the
+    /// mean of both, or that of the polarisation of the light. `beta` is 0 to 1.
     pub fn face_reflectances(&self, index: f64, beta: f64) -> [f64; 2] {
         let of = |polarisation| match self.top {
             Top::Fresnel(_) => fresnel_of(polarisation, [1.0, index], beta),
@@ -199,7 +199,7 @@ impl Panel {
         };
         match self.keeps_s_and_p {
             true => [Polarisation::S, Polarisation::P].map(|one| of(Some(one))),
-            false => [of(None); 2],
+            false => [of(self.polarisation); 2],
         }
     }
 }

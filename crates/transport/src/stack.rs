@@ -426,10 +426,17 @@ impl Stack {
     }
 
     /// The same layers over another pixel, which may scatter, for the methods of general layers and light with its
-    /// places.
-    pub fn general_over(&self, base: Base) -> Self {
-        let of_each = self.of_each.clone().filter(|_| !base.is_specular());
-        Self { of_each, ..Self::general(self.layers.clone(), base) }
+    /// places. `both`: a mirror-like pixel for light of s and of p, if they are kept apart.
+    pub fn general_over(&self, base: Base, both: Option<[Base; 2]>) -> Self {
+        let kept = self.polarised.as_deref();
+        let of_mirrors = || kept.map(|kept| Arc::new(kept.both.each_ref().map(|one| one.layers.clone())));
+        let of_each = self.of_each.clone().or_else(of_mirrors).filter(|_| !base.is_specular());
+        let polarised = kept.zip(both).map(|(Polarised { both: [s, p], weights }, [of_s, of_p])| {
+            let both = [s.general_over(of_s, None), p.general_over(of_p, None)];
+            Box::new(Polarised { both, weights: *weights })
+        });
+        let polarised_view = self.polarised_view.clone();
+        Self { of_each, polarised, polarised_view, ..Self::general(self.layers.clone(), base) }
     }
 
     /// The same layers above glass, the lowest medium, that is clear, and the internal transmittance that it has

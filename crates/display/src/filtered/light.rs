@@ -52,11 +52,12 @@ impl Filtered<'_> {
     /// What a view sees of mirror-like pixels in the light of a source, by direction.
     pub(super) fn mirrored_spread(
         &self,
+        panel: &Panel,
         view: &Cone,
         source: &Source,
         level: usize,
     ) -> Result<PanelSpread, DisplayError> {
-        let mut panel = Cow::Borrowed(&self.panel);
+        let mut panel = Cow::Borrowed(panel);
         if !matches!(panel.top, Top::Fresnel(_)) && panel.front.reflectance_below.max() == 0.0 {
             // Light that passes the filter twice: its shift is that of a crossing of this length.
             panel.to_mut().gaps_mm = vec![2.0 * self.filter.height_mm];

@@ -37,6 +37,9 @@ pub(crate) struct Filtered<'a> {
     /// Layers above clear glass, over a white page.
     stack: Stack,
     panel: Panel,
+    /// The panel of mirror-like pixels for light of s and of p, if they are kept apart, or of all light, each with its part of what
+    /// is seen.
+    mirrors: Vec<(Panel, f64)>,
     /// Internal transmittance of the glass.
     glass: Spectrum,
     matrix: &'a Matrix,
@@ -121,13 +124,21 @@ impl<'a> Filtered<'a> {
         let Some(matrix) = &scene.display.matrix else { return Ok(None) };
         let Some(filter) = &matrix.filter else { return Ok(None) };
         setup.refracts()?;
-        let (stack, glass) = match setup.stack.above_clear_glass() {
+        let cleared = |stack: &Stack| match stack.above_clear_glass() {
             Some((stack, transmittance)) => (stack, transmittance.clone()),
-            None => (setup.stack.clone(), Spectrum::constant(&scene.grid, 1.0)),
+            None => (stack.clone(), Spectrum::constant(&scene.grid, 1.0)),
         };
+        let (stack, glass) = cleared(&setup.stack);
         let Some(mut panel) = stack.panel_by_direction() else {
             return Err(Refused::FilterBelowLayers.into());
         };
+        let each = setup.stack.polarised().into_iter().flatten();
+        let each = each.zip(setup.stack.weights_of_polarisations());
+        let mut mirrors: Vec<(Panel, f64)> =
+            each.filter_map(|(one, weight)| Some((cleared(one).0.panel_by_direction()?, weight))).collect();
+        if !mirrors.is_empty() {
+            panel.keeps_s_and_p = matches!(panel.top, Top::Fresnel(_));
+        }
         if setup.stack.follows_changes() {
             // Above glass that absorbs, too.
             panel.mueller = setup.stack.mueller().cloned();
@@ -136,7 +147,7 @@ impl<'a> Filtered<'a> {
         // What is known of its layers over a white page, above a pixel that depends on azimuth, too.
         let page = white(scene.grid.len(), 1.0);
         let stack = match panel.base.is_specular() {
-            true if panel.mueller.is_some() => Stack::new(stack.layers().to_vec(), page).keeping_s_and_p(),
+            true if panel.keeps_s_and_p => Stack::new(stack.layers().to_vec(), page).keeping_s_and_p(),
             true => Stack::new(stack.layers().to_vec(), page),
             false => stack.with_base(page),
         };
@@ -152,7 +163,10 @@ impl<'a> Filtered<'a> {
         setup.placed_by_direction()?;
         setup.is_over_few_pixels()?;
         let gap_mm = air_below_front_mm(&panel).map_err(Refused::Fronts)?;
-        Ok(Some(Self { setup, control, stack, panel, glass, matrix, filter, gap_mm }))
+        if mirrors.is_empty() {
+            mirrors.push((panel.clone(), 1.0));
+        }
+        Ok(Some(Self { setup, control, stack, panel, mirrors, glass, matrix, filter, gap_mm }))
     }
 
     /// Finest level of pages: of Lambertian pixels in patterns in two directions, fewer are affordable.
@@ -306,9 +320,9 @@ impl<'a> Filtered<'a> {
                 let of_source = |source: usize| {
                     self.control.check()?;
                     let (view, source) = (&self.setup.views[number].field, &self.setup.sources[source]);
-                    let spread = self.mirrored_spread(view, source, period.level)?;
-                    let shown = period.planes.mirrored(&self.panel, &spread, &asked, period.level as u32);
-                    shown.map_err(not_computed)
+                    self.of_mirrors(period, &asked, |panel| {
+                        self.mirrored_spread(panel, view, source, period.level)
+                    })
                 };
                 sources.map(of_source).collect::<Result<_, DisplayError>>()?
             }
@@ -340,12 +354,26 @@ impl<'a> Filtered<'a> {
         }
         let level = self.finest();
         let period = self.period(level, 1)?;
-        let spread = PanelSpread::image(&self.panel, beta).map_err(not_computed)?;
         let below: Vec<Vec<usize>> = (0..states).map(|state| self.below(&[state])).collect();
         let asked = Asked { states: &below, windows: self.of_first_pixel(&period) };
-        let shown = period.planes.mirrored(&self.panel, &spread, &asked, level as u32);
-        let shown = shown.map_err(not_computed)?;
+        let shown =
+            self.of_mirrors(&period, &asked, |panel| PanelSpread::image(panel, beta).map_err(not_computed))?;
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
+    }
+
+    /// What is seen of mirror-like pixels, given the light by direction for each panel.
+    fn of_mirrors(
+        &self,
+        period: &Period,
+        asked: &Asked<'_>,
+        spread: impl Fn(&Panel) -> Result<PanelSpread, DisplayError>,
+    ) -> Result<Shown, DisplayError> {
+        let of_panel = |(panel, weight): &(Panel, f64)| {
+            let shown = period.planes.mirrored(panel, &spread(panel)?, asked, period.level as u32);
+            Ok((shown.map_err(not_computed)?, *weight))
+        };
+        let parts = self.mirrors.iter().map(of_panel).collect::<Result<Vec<_>, DisplayError>>()?;
+        Shown::sum_of(parts).ok_or(DisplayError::NotFinite)
     }
 
     /// Radiosity of each cell in the light of a source, given the states of the pixel below each window.

@@ -4,7 +4,7 @@
 //! Each direction of the field of view has ghosts at places of its own, relative to its own ray.
 //!
 //! Direction is conserved, so that image k is shifted by k times 2 D. For a small signal about a state of
-//! reflectance rho under a face of reflectance F, image k has (F rho)^k of the light of the first.
+//! reflectance rho under a face of reflectance F, image k has (F rho)^k of the light of the first: of each wavelength, and of s and of p.
 //!
 //! A front of screen above an air gap returns light, too, after one or more trips through the air: images at
 //! sums of both shifts.
@@ -79,30 +79,61 @@ struct RoundTrip {
     pixel: Vec<f64>,
 }
 
-/// Response of a bare panel; `via_pixel` is the light that the pixel returns, `[state][wavelength]`.
-pub(super) fn response(lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Result<Ghosts, DisplayError> {
-    let Lit { panel, view, level, .. } = lit;
-    let (index, thickness_mm, air_mm) = (panel.medium.index(), lit.thickness_mm(), lit.air_mm()?);
-    let (mut trips, mut images) = (Vec::new(), Vec::new());
-    // Ghosts are faint: fewer digits.
-    let per_beta = 2.0 * (thickness_mm / (index.min() * index.min() - 1.0).max(0.1).sqrt() + air_mm);
-    let phase = 2.0 * PI * level.most_per_mm * per_beta * view.field.half_angle();
-    let directions = view.field.directions(phase, level.digits.min(MOST_DIGITS));
-    // What pixels return in each direction of the field, and in its mean.
-    let mut mean = vec![0.0; via_pixel.len()];
-    for (beta, share) in &directions {
-        let returned = returned_along(lit, *beta);
-        mean.iter_mut().zip(returned).for_each(|(mean, returned)| *mean += share * returned);
-    }
-    let through = |(at, mean): (usize, &f64)| {
-        if *mean > 0.0 { weights[at % weights.len()] * via_pixel[at] / mean } else { 0.0 }
+/// Response of a bare panel, which is `lit`, to light of parts of which each has its own: `via_pixel` is the light that its pixel
+/// returns, `[state][wavelength]`.
+pub(super) fn response<'a>(
+    lit: Lit<'_>,
+    parts: impl Iterator<Item = (Lit<'a>, &'a [f64])>,
+    weights: &[f64],
+) -> Result<Ghosts, DisplayError> {
+    let mut ghosts = Ghosts {
+        images: Vec::new(),
+        states: lit.panel.base.states(),
+        thickness_mm: lit.thickness_mm(),
+        trips: Vec::new(),
+        is_wide: false,
     };
-    let through: Vec<f64> = mean.iter().enumerate().map(through).collect();
-    for (beta, share) in &directions {
-        add_direction(lit, (*beta, *share), &through, (&mut trips, &mut images))?;
+    let mut y = vec![0.0; ghosts.states];
+    for (lit, via_pixel) in parts {
+        ghosts.add(lit, weights, via_pixel)?;
+        for (y, row) in y.iter_mut().zip(via_pixel.chunks_exact(weights.len())) {
+            *y += row.iter().zip(weights).map(|(light, weight)| light * weight).sum::<f64>();
+        }
     }
-    let is_wide = directions.len() > 1;
-    Ok(Ghosts { images, states: panel.base.states(), thickness_mm, trips, is_wide })
+    // The response has the shape of the spread, whose light is Y.
+    for (state, y) in y.into_iter().enumerate() {
+        let all: f64 = ghosts.images.iter().map(|(_, light)| light[state]).sum();
+        let scale = if all > 0.0 { y / all } else { 0.0 };
+        ghosts.images.iter_mut().for_each(|(_, light)| light[state] *= scale);
+    }
+    Ok(ghosts)
+}
+
+impl Ghosts {
+    /// Adds the light of a part.
+    fn add(&mut self, lit: Lit<'_>, weights: &[f64], via_pixel: &[f64]) -> Result<(), DisplayError> {
+        let Lit { panel, view, level, .. } = lit;
+        let (index, thickness_mm, air_mm) = (panel.medium.index(), lit.thickness_mm(), lit.air_mm()?);
+        // Ghosts are faint: fewer digits.
+        let per_beta = 2.0 * (thickness_mm / (index.min() * index.min() - 1.0).max(0.1).sqrt() + air_mm);
+        let phase = 2.0 * PI * level.most_per_mm * per_beta * view.field.half_angle();
+        let directions = view.field.directions(phase, level.digits.min(MOST_DIGITS));
+        // What pixels return in each direction of the field, and in its mean.
+        let mut mean = vec![0.0; via_pixel.len()];
+        for (beta, share) in &directions {
+            let returned = returned_along(lit, *beta);
+            mean.iter_mut().zip(returned).for_each(|(mean, returned)| *mean += share * returned);
+        }
+        let through = |(at, mean): (usize, &f64)| {
+            if *mean > 0.0 { weights[at % weights.len()] * via_pixel[at] / mean } else { 0.0 }
+        };
+        let through: Vec<f64> = mean.iter().enumerate().map(through).collect();
+        for (beta, share) in &directions {
+            add_direction(lit, (*beta, *share), &through, (&mut self.trips, &mut self.images))?;
+        }
+        self.is_wide |= directions.len() > 1;
+        Ok(())
+    }
 }
 
 /// Place of an image, mm, and the light of each state in it.
@@ -158,9 +189,10 @@ fn add_direction(
         let same = (bin..bins).take_while(|other| index[*other] == index[bin]).count();
         let step = displacement(beta, thickness_mm, index[bin]).map(|shift| 2.0 * shift);
         let trip = RoundTrips { step_mm: step, air_mm, bins: (bin..bin + same).map(trip).collect() };
-        // Light of each state in the images of a number of trips through the glass, by the number of those
+        // Response of each state in the images of a number of trips through the glass, by the number of those
         // through the air.
-        let mut rows: Vec<Vec<Vec<f64>>> = trip.bins.iter().map(|trip| trip.leaving(states)).collect();
+        let leaving = |trip: &RoundTrip| vec![trip.face.leaving.clone(); states];
+        let mut rows: Vec<Vec<Vec<f64>>> = trip.bins.iter().map(leaving).collect();
         for order in 0.. {
             let count = rows.iter().flatten().map(Vec::len).max().unwrap_or(0);
             let mut any = false;
@@ -350,16 +382,6 @@ impl RoundTrips {
 }
 
 impl RoundTrip {
-    /// What leaves of the light that meets the pixel once more, relative to all, by state and trips through
-    /// the air.
-    fn leaving(&self, states: usize) -> Vec<Vec<f64>> {
-        let of_state = |state: usize| {
-            let rest = 1.0 - self.face.returned() * self.pixel[state];
-            self.face.leaving.iter().map(|part| part * rest).collect()
-        };
-        (0..states).map(of_state).collect()
-    }
-
     /// Light that is seen at the places of images that have these states, `[trips through glass][through air]`.
     fn seen(&self, states: &[Vec<usize>], page: usize) -> f64 {
         let far = 1.0 / (1.0 - self.face.returned() * self.pixel[page]);

@@ -7,7 +7,7 @@
 use num_complex::Complex64;
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{self, LayeredSpread};
-use papilio_transport::{Interface, ReflectanceFactor, Source, Stack};
+use papilio_transport::{Interface, ReflectanceFactor, Source};
 
 use super::measured::{Light, Measured, sum};
 use super::mtf::Frame;
@@ -17,7 +17,7 @@ use super::{LineContrast, MtfView, Refused, SpatialScalars};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::{Control, Workers, each, finest};
-use crate::setup::{Setup, ViewPoint};
+use crate::setup::{SeenPart, Setup, ViewPoint};
 
 /// Uniform steps of frequencies, and preferred numbers of a decade (ISO 3, R 5), from the lowest on, cycles
 /// per mm.
@@ -108,9 +108,9 @@ fn append(all: &mut Measured, farther: &Measured) {
 
 /// What all frequencies of a view have in common at a level.
 struct Prepared<'a> {
-    spread: LayeredSpread<'a>,
+    /// Light of s and of p, if they are kept apart, or all.
+    parts: Vec<(LayeredSpread<'a>, Vec<ReflectanceFactor>)>,
     lit: Vec<PixelLight>,
-    factors: Vec<ReflectanceFactor>,
     /// Number of axes along which light differs.
     axes: usize,
     from_faces: f64,
@@ -120,14 +120,13 @@ impl Frame<'_> {
     /// Computes how sharp the display is in a view.
     pub(super) fn layered_view(
         &self,
-        stack: &Stack,
         view: &ViewPoint,
         control: &Control<'_>,
     ) -> Result<MtfView, DisplayError> {
         if !self.patterns().is_empty() {
             return Err(Refused::PatternsBelowLayers.into());
         }
-        let prepared = |level: usize| self.prepared(stack, view, level as u32);
+        let prepared = |level: usize| self.prepared(view, level as u32);
         let mut frequencies = self.frequencies.clone();
         let at = |level: usize| {
             let prepared = prepared(level)?;
@@ -173,7 +172,7 @@ impl Frame<'_> {
     pub(super) fn layered_by_frequency(&self, view: &ViewPoint) -> Result<Measured, DisplayError> {
         let most = self.nyquist_per_mm.map_or(self.highest(), |[x, y]| x.max(y));
         let frequencies: Vec<f64> = self.frequencies.iter().copied().filter(|f| *f <= most).collect();
-        self.measured(&self.prepared(self.setup.placed()?, view, 0)?, &frequencies)
+        self.measured(&self.prepared(view, 0)?, &frequencies)
     }
 
     /// Whether more than half of the modulation is left at the highest frequency in some state, and becomes
@@ -203,73 +202,79 @@ impl Frame<'_> {
     }
 
     /// Prepares a level.
-    fn prepared<'s>(
-        &'s self,
-        stack: &'s Stack,
-        view: &ViewPoint,
-        level: u32,
-    ) -> Result<Prepared<'s>, DisplayError> {
+    fn prepared(&self, view: &ViewPoint, level: u32) -> Result<Prepared<'_>, DisplayError> {
         let (setup, stop) = (self.setup, self.control.stop);
         let meter = Meter::new(setup);
-        let factors = setup.seen(view, level, self.control)?;
-        let spread = LayeredSpread::new(stack, view.field, &setup.sources, level, stop);
+        let is_specular = setup.placed()?.base().is_specular();
+        let parts = setup.seen_in_parts(view, level, self.control)?;
+        let from_faces = parts.iter().map(|part| meter.without_pixel(&part.factors)[1]).sum();
+        let with_spread = |SeenPart { stack, factors }| {
+            let spread = LayeredSpread::new(stack, view.field, &setup.sources, level, stop);
+            let spread = spread.map_err(Refused::Layered)?.with_spread(setup.scene.display.pixel_spread());
+            Ok((spread, factors))
+        };
         let lit: Vec<PixelLight> = meter.pixel_lights().into_iter().filter(PixelLight::is_seen).collect();
         // Seen along the normal, light without an azimuth is the same along both axes.
-        let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse)
-            || !stack.base().is_specular();
+        let is_round = lit.iter().all(|light| setup.sources[light.source] == Source::Diffuse) || !is_specular;
         let is_same = is_round && view.theta_deg == 0.0;
         Ok(Prepared {
-            spread: spread.map_err(Refused::Layered)?.with_spread(setup.scene.display.pixel_spread()),
+            parts: parts.into_iter().map(with_spread).collect::<Result<_, DisplayError>>()?,
             axes: if is_same { 1 } else { 2 },
-            from_faces: meter.without_pixel(&factors)[1],
-            factors,
+            from_faces,
             lit,
         })
     }
 
     /// Computes the light of frequencies, of which the first one is 0, at a level.
-    fn measured(
+    fn measured<'p>(
         &self,
-        Prepared { spread, axes, from_faces, factors, lit }: &Prepared<'_>,
+        Prepared { parts, axes, from_faces, lit }: &'p Prepared<'_>,
         frequencies: &[f64],
     ) -> Result<Measured, DisplayError> {
         let (setup, control, axes) = (self.setup, self.control, *axes);
-        let seen: Vec<_> = lit
-            .iter()
-            .map(|light| adding::Seen {
+        let seen_in = |factors: &'p [ReflectanceFactor]| -> Vec<adding::Seen<'p>> {
+            let of = |light: &'p PixelLight| adding::Seen {
                 source: light.source,
                 weights: &light.weights[1],
                 via_pixel: &factors[light.source].via_pixel,
-            })
-            .collect();
+            };
+            lit.iter().map(of).collect()
+        };
+        let seen: Vec<_> = parts.iter().map(|(spread, factors)| (spread, seen_in(factors))).collect();
         let along = |f: &f64| [[*f, 0.0], [0.0, *f]].into_iter().take(axes);
         let mut workers = None;
         let pool =
             if setup.views.len() == 1 { Workers::unless_one(&mut workers, control.threads)? } else { None };
         // High frequencies take longer: each part has some of them.
-        let parts = pool.map_or(1, |pool| pool.current_num_threads()).min(frequencies.len());
+        let count = pool.map_or(1, |pool| pool.current_num_threads()).min(frequencies.len());
         let mut pieces: Vec<Vec<usize>> =
-            (0..parts).map(|part| (part..frequencies.len()).step_by(parts).collect()).collect();
+            (0..count).map(|first| (first..frequencies.len()).step_by(count).collect()).collect();
         let found = each(pool, &mut pieces, |(_, piece)| {
             control.check()?;
             let some: Vec<[f64; 2]> = piece.iter().flat_map(|k| along(&frequencies[*k])).collect();
-            Ok::<_, DisplayError>((piece.clone(), spread.light(&seen, &some).map_err(Refused::Layered)?))
+            let light = seen.iter().map(|(spread, seen)| spread.light(seen, &some));
+            Ok::<_, DisplayError>((
+                piece.clone(),
+                light.collect::<Result<Vec<_>, _>>().map_err(Refused::Layered)?,
+            ))
         });
         let blank = || vec![Complex64::ZERO; frequencies.len()];
-        let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; seen.len()];
+        let mut light = vec![vec![[blank(), blank()]; setup.states.len()]; lit.len()];
         for found in found {
             let (piece, some) = found?;
-            for (all, some) in light.iter_mut().flatten().zip(some.into_iter().flatten()) {
-                for (k, values) in piece.iter().zip(some.chunks_exact(axes)) {
-                    all[0][*k] = values[0];
-                    all[1][*k] = values[axes - 1];
+            for some in some {
+                for (all, some) in light.iter_mut().flatten().zip(some.into_iter().flatten()) {
+                    for (k, values) in piece.iter().zip(some.chunks_exact(axes)) {
+                        all[0][*k] += values[0];
+                        all[1][*k] += values[axes - 1];
+                    }
                 }
             }
         }
         let of_state = |state: usize| {
             let mut lights: Vec<Light> = Vec::new();
-            for (seen, light) in seen.iter().zip(&light) {
-                let y = self.luminous(seen, state);
+            for (number, light) in light.iter().enumerate() {
+                let y: f64 = seen.iter().map(|(_, seen)| self.luminous(&seen[number], state)).sum();
                 let zero = light[state][0][0].re;
                 let scale = if zero > 0.0 { y / zero } else { 0.0 };
                 let scaled = |values: &Vec<Complex64>| values.iter().map(|value| scale * value).collect();

@@ -69,7 +69,7 @@ pub fn mtf(scene: &Scene, patterns: &Patterns, control: &Control<'_>) -> Result<
         None if setup.stack.panel().is_some() || below_layers::covers(&setup) => {
             frame.view(&setup.views[number], control)
         }
-        None => frame.layered_view(&setup.stack, &setup.views[number], control),
+        None => frame.layered_view(&setup.views[number], control),
     })?;
     let error_reached =
         largest_error(views.iter().flat_map(|view| view.states.iter()).map(|(_, state)| state));

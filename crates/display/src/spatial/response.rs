@@ -12,7 +12,7 @@ use super::{Refused, below_layers, ghosts, lobe, paper, returned};
 use crate::DisplayError;
 use crate::meter::{Meter, PixelLight};
 use crate::run::Control;
-use crate::setup::{Setup, ViewPoint};
+use crate::setup::{SeenPart, Setup, ViewPoint, all_of};
 
 /// Natural digits of level 0 of general layers, and how many more each further one has.
 const DIGITS_OF_LAYERS: f64 = 9.0;
@@ -116,12 +116,16 @@ pub(crate) fn responses(
         return below_layers::responses(setup, view, level, control);
     };
     let meter = Meter::new(setup);
-    let factors = setup.seen(view, level.of_pages(), control)?;
+    let parts = setup.seen_in_parts(view, level.of_pages(), control)?;
     let spread = setup.scene.display.pixel_spread();
     if spread.is_some() && matches!(panel.top, Top::Diffuser(_)) {
         return Err(Refused::SpreadBelowLobe.into());
     }
     let lit = Lit { panel, view, level, spread };
+    if !matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular() {
+        return mirrors(setup, lit, &parts);
+    }
+    let factors = all_of(parts);
     let (mut all, mut faces) = (Vec::new(), None);
     for light in meter.pixel_lights().into_iter().filter(PixelLight::is_seen) {
         let [_, weights, _] = &light.weights;
@@ -129,12 +133,31 @@ pub(crate) fn responses(
         let response: Box<dyn Response> = match (&panel.top, panel.base.is_specular()) {
             (Top::Diffuser(_), true) => returned::response(lit, source, weights, via_pixel)?,
             (Top::Diffuser(_), false) if !lit.returns() => Box::new(lobe::response(lit, source, weights)?),
-            (_, true) => Box::new(ghosts::response(lit, weights, via_pixel)?),
-            (_, false) => Box::new(paper::response(lit, source, (weights, via_pixel), &mut faces)?),
+            _ => Box::new(paper::response(lit, source, (weights, via_pixel), &mut faces)?),
         };
         all.push(Seen { light: name_of_light(setup, &light), response });
     }
     Ok((all, meter.without_pixel(&factors)[1]))
+}
+
+/// The same of mirror-like pixels below a flat face: light of s and of p, if they are kept apart.
+fn mirrors<'p>(
+    setup: &Setup,
+    lit: Lit<'p>,
+    parts: &'p [SeenPart<'p>],
+) -> Result<(Vec<Seen>, f64), DisplayError> {
+    let meter = Meter::new(setup);
+    let of_light = |light: PixelLight| {
+        let of_part = |part: &'p SeenPart<'p>| {
+            let own = part.stack.panel().map_or(lit, |panel| Lit { panel, ..lit });
+            (own, &part.factors[light.source].via_pixel[..])
+        };
+        let response = ghosts::response(lit, parts.iter().map(of_part), &light.weights[1])?;
+        Ok(Seen { light: name_of_light(setup, &light), response: Box::new(response) })
+    };
+    let lights = meter.pixel_lights().into_iter().filter(PixelLight::is_seen);
+    let from_faces = parts.iter().map(|part| meter.without_pixel(&part.factors)[1]).sum();
+    Ok((lights.map(of_light).collect::<Result<_, DisplayError>>()?, from_faces))
 }
 
 /// What a view sees of an ordinary panel.
@@ -215,7 +238,10 @@ impl Lit<'_> {
 pub(super) fn face_reflectance(panel: &Panel, bin: usize, beta: f64) -> f64 {
     match &panel.top {
         _ if beta > 1.0 => 1.0,
-        Top::Fresnel(index) => papilio_optics::interface::fresnel_reflectance(1.0, index[bin], beta),
+        Top::Fresnel(index) => {
+            let [s, p] = panel.face_reflectances(index[bin], beta);
+            0.5 * (s + p)
+        }
         Top::IdealAr | Top::Diffuser(_) => 0.0,
     }
 }

@@ -227,15 +227,16 @@ impl<'a> Placed<'a> {
         Ok(Self { setup, meter, lights, sources, stack, filter, traced: AtomicU64::new(0) })
     }
 
-    /// The same layers above another base, whose states are those of patterns.
+    /// The same layers above another base, whose states are those of patterns; `both`: for light of s and of p, if they are
+    /// kept apart.
     ///
     /// # Errors
     /// If the pixel changes the polarisation of light: that of mixtures of its states is not known.
-    pub(super) fn above(mut self, base: Base) -> Result<Self, DisplayError> {
+    pub(super) fn above(mut self, base: Base, both: Option<[Base; 2]>) -> Result<Self, DisplayError> {
         if self.stack.follows_changes() {
             return Err(Refused::AzimuthOfMixtures.into());
         }
-        self.stack = self.stack.general_over(base);
+        self.stack = self.stack.general_over(base, both);
         Ok(self)
     }
 
@@ -368,7 +369,7 @@ impl<'a> Placed<'a> {
             reflector: Reflector::lambertian(vec![1.0; grid.len()], grid.len()),
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
-        let stack = Stack::general(self.stack.layers().to_vec(), white);
+        let stack = self.stack.general_over(white, None);
         // Any view: paths begin at the pixel.
         let (what, view) = (What::Pattern(pattern), Cone::new(0.0, 0.0, 0.0, 1.0));
         let walk = self.prepared(&stack, view, what)?;

@@ -102,7 +102,7 @@ fn deviations(parts: &[&str], paths: u64) -> Vec<(String, f64, f64)> {
     numbers(&exact).into_iter().map(deviation).collect()
 }
 
-fn assert_agree(what: &str, parts: &[&str], paths: u64) {
+pub(crate) fn assert_agree(what: &str, parts: &[&str], paths: u64) {
     let all = deviations(parts, paths);
     let worst = all.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
     let beyond_two = all.iter().filter(|(_, z, _)| *z > 2.0).count();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use papilio_display::result::StateValues;
-use papilio_optics::interface::fresnel_reflectance;
+use papilio_optics::interface::{fresnel_reflectance, fresnel_reflectance_p, fresnel_reflectance_s};
 use papilio_testing::everyday;
 
 use crate::common::run_on;
@@ -46,23 +46,26 @@ fn light_along_the_normal_has_its_closed_form() {
 }
 
 /// Oblique light that passes the filter a third of a period before and after it meets the pixel, and returns to
-/// the same place of another period, so that a part of another colour is on both sides.
+/// the same place of another period, so that a part of another colour is on both sides. The face returns s and p as what they are.
 #[test]
 fn oblique_light_passes_other_parts_of_the_filter() {
-    let (pitch_um, sine): (f64, f64) = (84.67, 0.5);
-    let height_um = pitch_um / 3.0 / (sine / (2.25 - sine * sine).sqrt());
-    let (face, slant) = (fresnel_reflectance(1.5, 1.0, sine), 1.0 / (1.0 - sine * sine / 2.25).sqrt());
-    let glass = glass("fresnel", 1.5e-3 * height_um);
-    let view = "[viewer]\ntheta_deg = 30\nfield_deg = 0\n";
-    let display = resolved(&[&glass, MIRROR, LIGHT, &filter(height_um, PARTS), view]);
-    let run = run_on(&display.scene, Some(1)).unwrap();
-    for (name, rho) in STATES {
-        let of = |k: usize| {
-            let once = (T[(k + 1) % 3] * T[(k + 2) % 3]).powf(slant) * rho[k];
-            once / (1.0 - face * once)
-        };
-        let expected = (1.0 - face).powi(2) * (0..3).map(of).sum::<f64>() / 3.0;
-        near(name, of_pixel(&run.views[0].states.get(name).unwrap().value), expected, 1e-5);
+    for theta_deg in [30.0, 60.0, 75.0_f64] {
+        let (pitch_um, sine) = (84.67, theta_deg.to_radians().sin());
+        let height_um = pitch_um / 3.0 / (sine / (2.25 - sine * sine).sqrt());
+        let slant = 1.0 / (1.0 - sine * sine / 2.25).sqrt();
+        let glass = glass("fresnel", 1.5e-3 * height_um);
+        let view = format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 0\n");
+        let display = resolved(&[&glass, MIRROR, LIGHT, &filter(height_um, PARTS), &view]);
+        let run = run_on(&display.scene, Some(1)).unwrap();
+        let faces = [fresnel_reflectance_s, fresnel_reflectance_p].map(|of| of(1.5, 1.0, sine));
+        for (name, rho) in STATES {
+            let of = |(k, face): (usize, f64)| {
+                let once = (T[(k + 1) % 3] * T[(k + 2) % 3]).powf(slant) * rho[k];
+                (1.0 - face).powi(2) * once / (1.0 - face * once)
+            };
+            let expected = (0..3).flat_map(|k| faces.map(|face| (k, face))).map(of).sum::<f64>() / 6.0;
+            near(name, of_pixel(&run.views[0].states.get(name).unwrap().value), expected, 1e-5);
+        }
     }
 }
 

@@ -32,6 +32,7 @@ mod levels_that_agree;
 mod lights;
 mod liquid_crystals;
 mod microgeometry;
+mod mirrors_kept_apart;
 mod mtf;
 mod one_model;
 mod picture;

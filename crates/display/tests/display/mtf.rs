@@ -348,11 +348,11 @@ fn stripes_of_mirrors_beat_with_their_images() {
     let [theta, index, thickness] = [50.0_f64, 1.5_f64, 0.3];
     let beta = theta.to_radians().sin();
     let shift = 2.0 * thickness * beta / (index * index - beta * beta).sqrt();
-    let face = 0.5 * {
+    let faces = {
         let (outside, inside) = (theta.to_radians().cos(), (1.0 - beta * beta / (index * index)).sqrt());
         let s = (outside - index * inside) / (outside + index * inside);
         let p = (index * outside - inside) / (index * outside + inside);
-        s * s + p * p
+        [s * s, p * p]
     };
     for (part, second) in [(0.0, 0.180_45), (0.25, 0.099_225), (0.5, 0.018)] {
         let period = shift / (1.0 + part);
@@ -363,9 +363,10 @@ fn stripes_of_mirrors_beat_with_their_images() {
         let diffuse = "[lighting]\nspectrum = \"D65\"\nilluminance_lx = 500\ndiffuse = 1.0\n";
         let result = computed(&[glass, mirror, diffuse, &view, &pattern]).unwrap();
         let found = result.views[0].patterns[0].mean_Y_via_pixel;
-        let first = (1.0 - face).powi(2) * (0.315 + face * second);
+        let mean = |of: &dyn Fn(f64) -> f64| 0.5 * faces.map(of).iter().sum::<f64>();
+        let first = mean(&|face| (1.0 - face).powi(2) * (0.315 + face * second));
         // Third and later orders.
-        let rest = (1.0 - face).powi(2) * face.powi(2) * 0.6_f64.powi(3);
+        let rest = mean(&|face| (1.0 - face).powi(2) * face.powi(2) * 0.6_f64.powi(3) / (1.0 - 0.6 * face));
         assert!(found > first && found < first + rest, "{part}: {found}, {first} to {}", first + rest);
     }
 }
@@ -382,14 +383,17 @@ fn lines_of_mirrors_multiply_with_their_images() {
         (outside - index * inside) / (outside + index * inside),
         (index * outside - inside) / (index * outside + inside),
     ];
-    let face = 0.5 * (s * s + p * p);
+    let faces = [s * s, p * p];
+    // Of what enters and leaves.
+    let seen =
+        |of: &dyn Fn(f64) -> f64| faces.map(|face| (1.0 - face).powi(2) * of(face)).iter().sum::<f64>();
     let mirror = "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.3 }\n";
     let view = format!("[viewer]\ntheta_deg = {theta}\nfield_deg = 0\n");
     let lines = |thickness_mm: f64| {
         let glass = glass("fresnel", thickness_mm);
         computed(&[&glass, MATRIX, mirror, DIFFUSE, &view]).unwrap().views.remove(0)
     };
-    let page = |rho: f64| rho / (1.0 - face * rho);
+    let page = |rho: f64| seen(&|face| rho / (1.0 - face * rho));
     let contrast = |a: f64, b: f64| (a - b).abs() / (a + b);
     // The first image is 356 um away, farther than half of 4 pixels of 84.67 um.
     let far = lines(0.3);
@@ -403,12 +407,13 @@ fn lines_of_mirrors_multiply_with_their_images() {
     }
     // Some strokes have an image on other strokes, which return less; in the middle, the second one.
     let text = [far.text_contrast_min_via_pixel, far.text_contrast_median_via_pixel].map(Option::unwrap);
-    near("text", text[1], beside, face * face);
-    assert!(text[0] >= beside - 1e-9 && text[0] < beside + face, "{text:?}");
+    near("text", text[1], beside, 0.5 * seen(&|face| face * face));
+    assert!(text[0] >= beside - 1e-9 && text[0] < beside + faces[0], "{text:?}");
     // It is 119 um away, and the second 238.
     let near_by = lines(0.1).line_contrast_via_pixel;
     let wide = |line: f64, surround: f64| {
-        contrast(line * (1.0 + face * line / (1.0 - face * surround)), page(surround))
+        let middle = seen(&|face| line * (1.0 + face * line / (1.0 - face * surround)));
+        contrast(middle, page(surround))
     };
     near("white, wide", near_by.white_4_x.unwrap(), wide(0.9, 0.3), 1e-9);
     near("black, wide", near_by.black_4_x.unwrap(), wide(0.3, 0.9), 1e-9);

@@ -28,16 +28,25 @@ pub(super) struct Measured {
 impl Measured {
     /// The same, so many times as far from another level.
     pub(super) fn away(&self, from: &Self, factor: f64) -> Self {
-        let farther = |own: f64, from: f64| from + factor * (own - from);
+        self.with(from, |own, from| from + factor * (own - from))
+    }
+
+    /// The sum with other light.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        self.with(other, |own, more| own + more)
+    }
+
+    /// A number instead of each pair of its own and of another light's.
+    fn with(&self, from: &Self, both: impl Fn(f64, f64) -> f64) -> Self {
         let rows = |own: &[Vec<Vec<f64>>], from: &[Vec<Vec<f64>>]| -> Vec<Vec<Vec<f64>>> {
             let row = |(own, from): (&Vec<f64>, &Vec<f64>)| {
-                own.iter().zip(from).map(|(own, from)| farther(*own, *from)).collect()
+                own.iter().zip(from).map(|(own, from)| both(*own, *from)).collect()
             };
             let rows =
                 |(own, from): (&Vec<Vec<f64>>, &Vec<Vec<f64>>)| own.iter().zip(from).map(row).collect();
             own.iter().zip(from).map(rows).collect()
         };
-        let colour = |own: Colour, from: Colour| [0, 1, 2].map(|k| farther(own[k], from[k]));
+        let colour = |own: Colour, from: Colour| [0, 1, 2].map(|k| both(own[k], from[k]));
         let figure = |k: usize| {
             self.figures[k].iter().zip(&from.figures[k]).map(|(own, from)| colour(*own, *from)).collect()
         };

@@ -3,6 +3,8 @@
 //! Below a lobe light is followed by direction (`blurred.rs`). Elsewhere figures have the irradiance that flat
 //! faces or general layers give them (`flat.rs`).
 
+use papilio_transport::ReflectanceFactor;
+
 use super::super::below_layers::Layers;
 use super::super::irradiance::{Above, PlacedImage, along_field};
 use super::super::response::{Lit, name_of_light};
@@ -14,7 +16,7 @@ use super::orders::Orders;
 use super::{BLACK, Colour, Figure, PAGE, add, state};
 use crate::DisplayError;
 use crate::meter::Meter;
-use crate::setup::ViewPoint;
+use crate::setup::{SeenPart, ViewPoint, all_of};
 
 /// Colours of a figure in each state, and of what is beside it; none without such a figure.
 pub(super) type Figures = (Vec<Colour>, Option<Colour>);
@@ -50,7 +52,7 @@ fn directions(view: &ViewPoint, above: Above<'_>) -> Result<Vec<(Along, f64)>, D
 
 impl Frame<'_> {
     pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
-        let (setup, meter) = (self.setup, Meter::new(self.setup));
+        let setup = self.setup;
         let layers = match self.panel {
             Some(_) => None,
             None => Some(Layers::new(setup, view, level, self.control)?),
@@ -60,7 +62,27 @@ impl Frame<'_> {
             (None, Some(layers)) => Above::Layers(layers),
             (None, None) => return Err(Refused::Layers.into()),
         };
-        let factors = setup.seen(view, above.level_of_pages(), self.control)?;
+        let parts = setup.seen_in_parts(view, above.level_of_pages(), self.control)?;
+        // Below flat faces, light of s and of p is kept apart. Below a lobe, all of it counts as unpolarised.
+        if !self.panel.is_some_and(is_flat) {
+            return self.part(view, above, &all_of(parts));
+        }
+        let each = parts.iter().map(|SeenPart { stack, factors }| {
+            let own = stack.panel().map_or(above, |panel| Above::Panel(self.lit(panel, view, level)));
+            self.part(view, own, factors)
+        });
+        let all = each.collect::<Result<Vec<_>, _>>()?;
+        Ok(all.into_iter().reduce(|sum, more| sum.plus(&more)).unwrap_or_default())
+    }
+
+    /// The same of a part of the light, given what is above the pixels, and what is seen, for this light.
+    fn part(
+        &self,
+        view: &ViewPoint,
+        above: Above<'_>,
+        factors: &[ReflectanceFactor],
+    ) -> Result<Measured, DisplayError> {
+        let (setup, meter, level) = (self.setup, Meter::new(self.setup), above.level());
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
         let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
@@ -74,7 +96,7 @@ impl Frame<'_> {
         let images = images.collect::<Result<Vec<_>, DisplayError>>()?;
         // Light of each state and wavelength in X, Y and Z.
         let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
-        measured.from_faces = meter.without_pixel(&factors);
+        measured.from_faces = meter.without_pixel(factors);
         for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
             let (weights, factor) = (&light.weights, &factors[light.source]);
             measured.names.push(name_of_light(setup, light));

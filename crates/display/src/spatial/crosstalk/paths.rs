@@ -72,18 +72,18 @@ impl<'a> Scenes<'a> {
                 (None, filter.states.iter().map(of_state).collect())
             }
             None => {
-                let Surfaces { base, states } = Surfaces::new(setup, matrix)?;
+                let Surfaces { base, both, states } = Surfaces::new(setup, matrix)?;
                 let of_window = |parts: &[super::surfaces::Part], window: usize| {
                     let here = parts.iter().filter(|part| part.sub_pixel == window);
                     here.map(|part| (part.surface, part.fraction * windows.scale[window])).collect()
                 };
                 let of_state = |parts: &Vec<_>| (0..=count).map(|window| of_window(parts, window)).collect();
-                (Some(base), states.iter().map(of_state).collect())
+                (Some((base, both)), states.iter().map(of_state).collect())
             }
         };
         let panel = Placed::new(setup)?;
         let panel = match other_base {
-            Some(base) => panel.above(base)?,
+            Some((base, both)) => panel.above(base, both)?,
             None => panel,
         };
         let text = patterns::bitmap(scene, text, matrix.pitch_mm).and_then(|bitmap| {

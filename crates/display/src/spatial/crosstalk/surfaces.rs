@@ -22,6 +22,8 @@ pub(super) struct Part {
 pub(super) struct Surfaces {
     /// The surfaces are its states.
     pub(super) base: Base,
+    /// The same for light of s and of p, if they are kept apart.
+    pub(super) both: Option<[Base; 2]>,
     /// `[state]`. The inactive area is the sub-pixel after the last one.
     pub(super) states: Vec<Vec<Part>>,
 }
@@ -31,10 +33,11 @@ impl Surfaces {
     pub(super) fn new(setup: &Setup, matrix: &Matrix) -> Result<Self, DisplayError> {
         let Scene { display, grid, .. } = &setup.scene;
         let (base, sub_pixels) = (setup.stack.base(), matrix.sub_pixels.len());
-        let (Pixel::Film(film), Reflector::Specular(table)) = (&display.pixel, &base.reflector) else {
+        let both = setup.stack.polarised_bases();
+        let Pixel::Film(film) = &display.pixel else {
             let state = |surface| vec![Part { sub_pixel: 0, surface, fraction: 1.0 }];
             let states = (0..base.states()).map(state).collect();
-            return Ok(Self { base: base.clone(), states });
+            return Ok(Self { base: base.clone(), both: both.map(|both| both.map(Base::clone)), states });
         };
         let mixture = Mixture::new(film)?;
         let mut states: Vec<Vec<Part>> = vec![Vec::new(); film.states.len()];
@@ -45,12 +48,16 @@ impl Surfaces {
         for state in &mut states {
             state.push(Part { sub_pixel: sub_pixels, surface: inactive, fraction: 1.0 });
         }
-        let table = each_alone(table, &film.inactive_reflectance);
-        let base = Base {
-            reflector: Reflector::Specular(table),
+        let alone = |base: &Base| Base {
+            reflector: match &base.reflector {
+                Reflector::Specular(table) => {
+                    Reflector::Specular(each_alone(table, &film.inactive_reflectance))
+                }
+                other => other.clone(),
+            },
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
-        Ok(Self { base, states })
+        Ok(Self { base: alone(base), both: both.map(|both| both.map(alone)), states })
     }
 }
 

@@ -25,6 +25,19 @@ impl Shown {
         Self { values: vec![0.0; count], windows: asked.windows.clone(), sub_pixels, bins }
     }
 
+    /// Sum of light, each part times a factor; `None` of none.
+    pub fn sum_of(parts: Vec<(Self, f64)>) -> Option<Self> {
+        let add = |mut sum: Self, more: Self| {
+            sum.values.iter_mut().zip(more.values).for_each(|(sum, more)| *sum += more);
+            sum
+        };
+        let times = |(mut one, factor): (Self, f64)| {
+            one.values.iter_mut().for_each(|light| *light *= factor);
+            one
+        };
+        parts.into_iter().map(times).reduce(add)
+    }
+
     /// Light of a period that passes all windows.
     pub fn all(&self, period: usize) -> Vec<f64> {
         let (mut sum, count) = (vec![0.0; self.bins], self.windows.len() * self.sub_pixels * self.bins);

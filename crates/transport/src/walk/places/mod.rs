@@ -31,7 +31,9 @@
 //! The place of a meeting refers to that of the view's own ray. A field of view of some width is focused on
 //! the pixel: own rays of all its directions meet the pixel at the same place.
 //!
-//! Above a pixel that changes polarisation, below flat layers, a path carries what a meter sees of polarised light (`changing`).
+//! Below flat layers, light keeps its plane of incidence. Above a mirror-like pixel, each path is therefore followed once as light of s and once as light
+//! of p, each with its own faces, films and sources; above a Lambertian one, it has one of both from meeting to meeting (`flat`). Above a pixel that changes
+//! polarisation, it carries what a meter sees of polarised light (`changing`).
 //!
 //! Transforms cost a path the same at any number of frequencies (`waves`).
 //!
@@ -56,6 +58,8 @@ mod slab;
 mod tally;
 mod tracer;
 mod waves;
+
+use std::borrow::Cow;
 
 use papilio_sampling::SampleStream;
 
@@ -155,17 +159,26 @@ pub struct Entry<'p> {
 
 /// The Monte Carlo solver with places, for one stack, one view and its sources.
 pub struct PlacedWalk<'a> {
+    /// Of light of s and of p, where a mirror-like pixel and all above it keep them apart; else of all light.
+    walks: Vec<OwnWalk<'a>>,
+}
+
+/// The walk of light of a polarisation, or of all light.
+struct OwnWalk<'a> {
     tracer: Tracer<'a>,
     plan: Plan<'a>,
     /// Where paths can be traced in groups.
     leaving: Option<Escape>,
+    /// How much it counts in what is seen of each source, and of unpolarised light.
+    weights: Vec<f64>,
+    weight: f64,
 }
 
 /// Running sums of one replicate of a walk with places.
 pub struct PlacedReplicate<'w> {
     paths: u64,
-    sums: Sums<'w>,
-    work: Workspace,
+    /// By walk.
+    own: Vec<(Sums<'w>, Workspace)>,
 }
 
 impl PlacedReplicate<'_> {
@@ -235,60 +248,86 @@ impl<'a> PlacedWalk<'a> {
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
-        let is_clear = filter.is_none();
-        let tracer = Tracer::new(stack, (view, sources), shows, filter);
-        let plan = Plan::new(stack.base(), tracer.images(), kernel, EXTENT * stack.thickness_mm());
-        // Groups do not cross the filter.
-        let leaving = is_clear.then(|| grouped::leaving(&tracer)).flatten();
-        Ok(Self { tracer, plan, leaving })
+        let of = |(own, sources): (&'a Stack, Cow<'a, [Source]>), weights: Vec<f64>, weight: f64| {
+            let tracer = Tracer::new(own, (view, sources), shows, filter.clone());
+            let plan = Plan::new(own.base(), tracer.images(), kernel.clone(), EXTENT * own.thickness_mm());
+            // Groups do not cross the filter.
+            let leaving = filter.is_none().then(|| grouped::leaving(&tracer)).flatten();
+            OwnWalk { tracer, plan, leaving, weights, weight }
+        };
+        let Some(both) = stack.polarised() else {
+            return Ok(Self { walks: vec![of((stack, sources.into()), vec![1.0; sources.len()], 1.0)] });
+        };
+        let (by_source, usual) = (stack.weights_by_source(sources), stack.weights_of_polarisations());
+        let walks = both.iter().enumerate().map(|(number, own)| {
+            let light = stack.polarised_view();
+            let sources = light.map_or(sources.into(), |light| light.sources(sources, Some(number)));
+            of((own, sources), by_source.iter().map(|weights| weights[number]).collect(), usual[number])
+        });
+        Ok(Self { walks: walks.collect() })
     }
 
     /// The same walk over a Lambertian pixel inside which light spreads.
     #[must_use]
     pub fn with_spread(mut self, spread: Option<PixelSpread>) -> Self {
-        self.tracer.spread =
-            spread.filter(|_| matches!(self.tracer.stack.base().reflector, Reflector::Lambertian(_)));
+        for OwnWalk { tracer, .. } in &mut self.walks {
+            tracer.spread =
+                spread.filter(|_| matches!(tracer.stack.base().reflector, Reflector::Lambertian(_)));
+        }
         self
     }
 
     /// The same walk in a round sample, for [`exits`](Self::exits) alone; the pattern must be uniform.
     #[must_use]
     pub fn in_sample(mut self, sample: Option<RoundSample>) -> Self {
-        self.tracer.sample = sample;
+        self.walks.iter_mut().for_each(|walk| walk.tracer.sample = sample);
         self
     }
 
     /// Returns an empty replicate, to be filled by [`Self::trace`].
     pub fn replicate(&self) -> PlacedReplicate<'_> {
-        let sums = Sums::new(&self.plan, self.tracer.sources.len());
-        PlacedReplicate { paths: 0, sums, work: self.tracer.workspace(false) }
+        let own = self.walks.iter().map(|OwnWalk { tracer, plan, .. }| {
+            (Sums::new(plan, tracer.sources.len()), tracer.workspace(false))
+        });
+        PlacedReplicate { paths: 0, own: own.collect() }
     }
 
     /// Traces `count` further paths of a replicate. The result depends only on the random numbers and the
     /// total number of paths, of which powers of two have the smallest error.
     pub fn trace(&self, replicate: &mut PlacedReplicate<'_>, numbers: &SampleStream, count: u64) {
-        let PlacedReplicate { paths, sums, work } = replicate;
+        let PlacedReplicate { paths, own } = replicate;
         let wanted = *paths..*paths + count;
         *paths = wanted.end;
-        match self.leaving.as_ref().and_then(|leaving| Grouped::new(&self.tracer, leaving)) {
-            Some(grouped) => grouped.trace(numbers, wanted, sums),
-            None => wanted.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), work, sums)),
+        for (OwnWalk { tracer, leaving, .. }, (sums, work)) in self.walks.iter().zip(own) {
+            let wanted = wanted.clone();
+            match leaving.as_ref().and_then(|leaving| Grouped::new(tracer, leaving)) {
+                Some(grouped) => grouped.trace(numbers, wanted, sums),
+                None => wanted.for_each(|path| tracer.trace(&PathNumbers::new(numbers, path), work, sums)),
+            }
         }
     }
 
     /// Returns the means over the paths of a replicate, which must have traced at least one.
     pub fn estimate(&self, replicate: &PlacedReplicate<'_>) -> Estimate {
-        replicate.sums.means(1.0 / replicate.paths as f64)
+        let scale = 1.0 / replicate.paths as f64;
+        let own = self.walks.iter().zip(&replicate.own);
+        let mut all = own.map(|(walk, (sums, _))| sums.means(scale).times(&walk.weights));
+        let first = all.next().unwrap_or_default();
+        all.fold(first, |sum, more| sum.plus(&more))
     }
 
     /// Follows light that enters from where the viewer is, at one place, to where it leaves; `paths` are
     /// numbers of paths.
     ///
     /// All layers are reciprocal: light that reaches the viewer at this place comes from the same places. The
-    /// sum over the exits above, over the number of paths, is what returns.
-    pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, exit: impl FnMut(Exit<'_>)) {
-        let (mut work, mut exits) = (self.tracer.workspace(true), Exits { exit });
-        paths.for_each(|path| self.tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits));
+    /// sum over the exits above, over the number of paths, is what returns. Light is unpolarised.
+    pub fn exits(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, mut exit: impl FnMut(Exit<'_>)) {
+        for OwnWalk { tracer, weight, .. } in &self.walks {
+            let mut exits = Exits { exit: &mut exit, weight: *weight, light: Vec::new() };
+            let mut work = tracer.workspace(true);
+            let trace = |path| tracer.trace(&PathNumbers::new(numbers, path), &mut work, &mut exits);
+            paths.clone().for_each(trace);
+        }
     }
 }
 
@@ -299,10 +338,9 @@ impl PlacedWalk<'_> {
     ///
     /// The pixel of the stack must be Lambertian: a mirror-like one would be part of the way to a beam.
     pub fn entries(&self, numbers: &SampleStream, paths: std::ops::Range<u64>, entry: impl FnMut(Entry<'_>)) {
-        let (mut work, mut entries) = (self.tracer.workspace(true), Entries { entry, light: Vec::new() });
-        paths.for_each(|path| {
-            self.tracer.trace_up(&PathNumbers::new(numbers, path), &mut work, &mut entries);
-        });
+        let Some(OwnWalk { tracer, .. }) = self.walks.first() else { return };
+        let (mut work, mut entries) = (tracer.workspace(true), Entries { entry, light: Vec::new() });
+        paths.for_each(|path| tracer.trace_up(&PathNumbers::new(numbers, path), &mut work, &mut entries));
     }
 }
 
@@ -325,6 +363,8 @@ impl<F: FnMut(Entry<'_>)> Record for Entries<F> {
 /// Passes on the light that leaves.
 struct Exits<F> {
     exit: F,
+    weight: f64,
+    light: Vec<f64>,
 }
 
 impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
@@ -335,13 +375,15 @@ impl<F: FnMut(Exit<'_>)> Record for Exits<F> {
         let from = |[from_x, from_y]: [f64; 2]| [x - from_x, y - from_y];
         let (place_mm, from_middle_mm) = (from(path.entry_mm), from(path.middle_mm));
         let left_sample = path.left_sample;
+        self.light.clear();
+        self.light.extend(path.light.as_spectra().iter().map(|light| self.weight * light));
         (self.exit)(Exit {
             place_mm,
             from_middle_mm,
             left_sample,
             beta: path.beta,
             below,
-            light: path.light.as_spectra(),
+            light: &self.light,
         });
     }
 }

@@ -392,6 +392,44 @@ impl Kernel {
             rings: plus(&self.rings, &other.rings),
         }
     }
+
+    fn times(&self, factor: f64) -> Self {
+        let times = |values: &Vec<f64>| values.iter().map(|value| factor * value).collect();
+        Self {
+            transfer: self.transfer.iter().map(|value| factor * value).collect(),
+            cells: times(&self.cells),
+            strips: self.strips.each_ref().map(times),
+            rings: times(&self.rings),
+        }
+    }
+}
+
+impl Spreads {
+    fn plus(&self, other: &Self) -> Self {
+        Self { once: self.once.plus(&other.once), response: self.response.plus(&other.response) }
+    }
+
+    fn times(&self, factor: f64) -> Self {
+        Self { once: self.once.times(factor), response: self.response.times(factor) }
+    }
+}
+
+impl super::Estimate {
+    /// Returns the sum with another one.
+    pub(super) fn plus(mut self, other: &Self) -> Self {
+        self.rho.iter_mut().zip(&other.rho).for_each(|(sum, more)| sum.add(more, 1.0));
+        self.spreads.iter_mut().zip(&other.spreads).for_each(|(sum, more)| *sum = sum.plus(more));
+        self
+    }
+
+    /// Returns the same, times a factor for each source.
+    pub(super) fn times(mut self, factors: &[f64]) -> Self {
+        for (rho, factor) in self.rho.iter_mut().zip(factors) {
+            rho.via_pixel.iter_mut().chain(&mut rho.front).for_each(|value| *value *= factor);
+        }
+        self.spreads.iter_mut().zip(factors).for_each(|(one, factor)| *one = one.times(*factor));
+        self
+    }
 }
 
 /// Adds a look-up to sums over nodes.

@@ -1,5 +1,7 @@
 //! The tracer: one path at a time, with its place.
 
+use std::borrow::Cow;
+
 use super::branches::Branches;
 use super::changing::{Changing, ChangingWork};
 use super::dice::Dice;
@@ -36,7 +38,7 @@ pub(super) struct Tracer<'a> {
     /// The layers for s and for p, if they keep both apart.
     pub(super) of_each: Option<&'a [Vec<Layer>; 2]>,
     pub(super) view: Cone,
-    pub(super) sources: &'a [Source],
+    pub(super) sources: Cow<'a, [Source]>,
     pub(super) shows: Shows<'a>,
     /// A filter above the pixel.
     pub(super) filter: Option<FilterPlane>,
@@ -60,6 +62,7 @@ pub(super) struct Tracer<'a> {
 }
 
 /// What the plane of the pixel shows.
+#[derive(Clone, Copy)]
 pub(super) enum Shows<'a> {
     /// Image k shows state k everywhere.
     EachState,
@@ -108,7 +111,7 @@ pub(super) struct PixelWork {
 impl<'a> Tracer<'a> {
     pub(super) fn new(
         stack: &'a Stack,
-        (view, sources): (Cone, &'a [Source]),
+        (view, sources): (Cone, Cow<'a, [Source]>),
         shows: Shows<'a>,
         filter: Option<FilterPlane>,
     ) -> Self {
@@ -116,6 +119,8 @@ impl<'a> Tracer<'a> {
         let horizons = Horizons::of(stack);
         let constant = stack.layers.iter().all(|layer| layer.medium.constant_index().is_some());
         let about = sources.iter().filter_map(Source::direction);
+        let about = about.filter(|_| stack.base().is_specular()).collect();
+        let has_points = sources.iter().any(Source::has_radiance);
         Self {
             stack,
             changing: Changing::of(stack),
@@ -126,8 +131,8 @@ impl<'a> Tracer<'a> {
             air: Medium::new(vec![1.0; bins].into()),
             faces: Face::of(stack, horizons),
             horizons,
-            about: about.filter(|_| stack.base().is_specular()).collect(),
-            has_points: sources.iter().any(Source::has_radiance),
+            about,
+            has_points,
             places: if constant { 1 } else { bins },
             bands: if stack.is_grey() && filter.is_none() { 1 } else { bins },
             filter,
@@ -254,7 +259,7 @@ impl<'a> Tracer<'a> {
     /// Chooses a point of each source.
     fn choose_points(&self, numbers: &PathNumbers<'_>, work: &mut Workspace) {
         let of_points = if self.has_points { numbers.of_sources(0) } else { [0.5; 4] };
-        for (target, source) in work.targets.iter_mut().zip(self.sources) {
+        for (target, source) in work.targets.iter_mut().zip(self.sources.iter()) {
             *target = Target::sample(source, [of_points[0], of_points[1]]);
         }
     }
