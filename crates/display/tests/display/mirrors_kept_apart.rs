@@ -118,7 +118,7 @@ fn mirrors_have_the_series_of_each_polarisation() {
 /// Films in a polarised sky: Y of a run, and the mean of what is seen through two polarisers. Both, and the modulation transfer, by paths, too.
 #[test]
 fn films_have_the_light_of_both_polarisers() {
-    for layers in everyday(2, [[FRONT, GLASS].concat(), plate()]) {
+    for layers in everyday(1, [[FRONT, GLASS].concat(), plate()]) {
         let of = |more: &[&str]| resolved(&[&layers, FILM, MATRIX, SKY, &view(60.0)], more);
         let all = [&[][..], &["viewer.polariser=s"], &["viewer.polariser=p"]].map(of);
         let [both, s, p] = all.each_ref().map(sharpness);
@@ -151,8 +151,9 @@ fn films_have_the_light_of_both_polarisers() {
 /// A picture of one state has the colour of a run.
 #[test]
 fn pictures_have_the_colours_of_a_run() {
-    for layers in [[FRONT, GLASS].concat(), plate()] {
-        let scene = resolved(&[&layers, MIRROR, MATRIX, LIGHT, &view(70.0)], &[]).scene;
+    let paths = ["solver={ method = \"monte-carlo\", paths = 2048 }"];
+    for (layers, more) in [([FRONT, GLASS].concat(), &[][..]), (plate(), &paths)] {
+        let scene = resolved(&[&layers, MIRROR, MATRIX, LIGHT, &view(70.0)], more).scene;
         let states = vec!["white".to_owned(), "black".to_owned()];
         let settings = ImageSettings {
             given: Some(vec![0; 16]),
@@ -172,9 +173,9 @@ fn pictures_have_the_colours_of_a_run() {
 /// Crosstalk of figures below a front and a face, and colours of films below a filter, against paths.
 #[test]
 fn figures_and_filters_agree_with_paths() {
-    for theta_deg in [60.0, 75.0] {
+    for theta_deg in everyday(1, [60.0, 75.0]) {
         let view = view(theta_deg);
-        assert_agree("mirror", &[FRONT, GLASS, MIRROR, MATRIX, LIGHT, &view], 1 << 12);
+        assert_agree("mirror", &[FRONT, GLASS, MIRROR, MATRIX, LIGHT, &view], 1 << 10);
         let single = FILM.replace("red = 276, green = 192, blue = 138", "red = 120, green = 120, blue = 120");
         let third = single
             .replace("red = 0.5, green = 0.3, blue = 0.2", "red = 0.3334, green = 0.3333, blue = 0.3333");
