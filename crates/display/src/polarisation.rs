@@ -33,7 +33,7 @@ use crate::scene::{
 };
 
 /// What polarised light needs where the display has a colour filter.
-const NO_FILTER: &str = "a display without a colour filter above its pixels: polarised light from outside is not followed through one";
+const NO_FILTER: &str = "a display without a colour filter, or mirrors below flat layers: other polarised light from outside is not followed through one";
 
 /// What of a scene is polarised.
 struct Asked {
@@ -72,7 +72,7 @@ impl Asked {
             "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
         } else if is_whole(scene) && has_coating(scene) {
             "bare faces and components above a liquid crystal (or a scatterer): the phase between s and p in a coating is not followed"
-        } else if scene.display.filter().is_some() {
+        } else if scene.display.filter().is_some() && !is_flat_mirror(scene) {
             NO_FILTER
         } else if !is_whole(scene)
             && self.polariser_deg.is_some_and(is_oblique)
@@ -354,9 +354,9 @@ fn media_between(stack: &Stack) -> Vec<Medium> {
 /// layers above liquid crystals by paths and below colour filters; nothing elsewhere.
 ///
 /// # Errors
-/// With a polariser or polarised light, except for mirrors below flat layers.
+/// With a polariser or polarised light, except for mirrors below flat layers without a colour filter.
 pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
-    if !is_flat_mirror(scene) {
+    if !is_flat_mirror(scene) || scene.display.filter().is_some() {
         check_unpolarised(scene)?;
     }
     let mut scene = scene.clone();
@@ -369,7 +369,7 @@ pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
 /// Refuses a polariser and polarised light.
 pub(crate) fn check_unpolarised(scene: &Scene) -> Result<(), DisplayError> {
     let Some(Asked { key, .. }) = Asked::of(scene) else { return Ok(()) };
-    let needs = "`papilio run`, `cone` or `sweep`, mirrors below flat layers, or a picture on a liquid crystal without scatterer in light without \
+    let needs = "`papilio run`, `cone` or `sweep`, mirrors below flat layers without a colour filter, or a picture on a liquid crystal without scatterer in light without \
          lamps: other light with its places counts as unpolarised";
     Err(DisplayError::Polarised { key, needs })
 }

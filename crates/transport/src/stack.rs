@@ -13,6 +13,7 @@
 //! among any layers, here and nowhere else. A diffuser over a mirror that depends on azimuth is no panel: its methods
 //! rely on the same light at all azimuths.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use papilio_optics::Beta;
@@ -294,6 +295,14 @@ impl Stack {
     /// What is polarised.
     pub(crate) fn polarised_view(&self) -> Option<&Arc<PolarisedView>> {
         self.polarised_view.as_ref()
+    }
+
+    /// Returns the sources of light of s (0) or of p (1), if they are kept apart: those of unpolarised light instead of polarised ones.
+    pub fn sources_of<'s>(&self, polarisation: usize, sources: &'s [Source]) -> Cow<'s, [Source]> {
+        match self.polarised_view() {
+            Some(light) => light.sources(sources, Some(polarisation)),
+            None => sources.into(),
+        }
     }
 
     /// Weights of s and of p in what is seen of each source.

@@ -21,10 +21,11 @@ use papilio_transport::spatial::{
     Asked, Direction, Division, FilteredPixels, PanelSpread, Passed, Rectangle, Shown, TwoPlanes, Window,
     air_below_front_mm,
 };
-use papilio_transport::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Reflector, Stack, Top};
+use papilio_transport::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
 use self::light::{Optics, not_computed, white};
 use crate::DisplayError;
+use crate::polarisation::check_unpolarised;
 use crate::run::Control;
 use crate::scene::{Approximation, Filter, Matrix};
 use crate::setup::Setup;
@@ -37,15 +38,21 @@ pub(crate) struct Filtered<'a> {
     /// Layers above clear glass, over a white page.
     stack: Stack,
     panel: Panel,
-    /// The panel of mirror-like pixels for light of s and of p, if they are kept apart, or of all light, each with its part of what
-    /// is seen.
-    mirrors: Vec<(Panel, f64)>,
+    /// Mirror-like pixels for light of s and of p, if they are kept apart, or of all light.
+    mirrors: Vec<Mirrors>,
     /// Internal transmittance of the glass.
     glass: Spectrum,
     matrix: &'a Matrix,
     filter: &'a Filter,
     /// Air below the front, mm.
     gap_mm: f64,
+}
+
+/// Mirror-like pixels, and the light that they reflect.
+struct Mirrors {
+    panel: Panel,
+    /// Each with its weight in what is seen.
+    sources: Vec<(Source, f64)>,
 }
 
 /// A period of pixels at a level, in the light of all sources.
@@ -132,10 +139,15 @@ impl<'a> Filtered<'a> {
         let Some(mut panel) = stack.panel_by_direction() else {
             return Err(Refused::FilterBelowLayers.into());
         };
-        let each = setup.stack.polarised().into_iter().flatten();
-        let each = each.zip(setup.stack.weights_of_polarisations());
-        let mut mirrors: Vec<(Panel, f64)> =
-            each.filter_map(|(one, weight)| Some((cleared(one).0.panel_by_direction()?, weight))).collect();
+        let weights = setup.stack.weights_by_source(&setup.sources);
+        let of_each = |(number, one): (usize, &Stack)| {
+            let sources = setup.stack.sources_of(number, &setup.sources).into_owned();
+            let weights = weights.iter().map(|weights| weights[number]);
+            let panel = cleared(one).0.panel_by_direction()?;
+            Some(Mirrors { panel, sources: sources.into_iter().zip(weights).collect() })
+        };
+        let both = setup.stack.polarised().into_iter().flatten();
+        let mut mirrors: Vec<Mirrors> = both.enumerate().filter_map(of_each).collect();
         if !mirrors.is_empty() {
             panel.keeps_s_and_p = matches!(panel.top, Top::Fresnel(_));
         }
@@ -164,7 +176,8 @@ impl<'a> Filtered<'a> {
         setup.is_over_few_pixels()?;
         let gap_mm = air_below_front_mm(&panel).map_err(Refused::Fronts)?;
         if mirrors.is_empty() {
-            mirrors.push((panel.clone(), 1.0));
+            let sources = setup.sources.iter().map(|source| (source.clone(), 1.0)).collect();
+            mirrors.push(Mirrors { panel: panel.clone(), sources });
         }
         Ok(Some(Self { setup, control, stack, panel, mirrors, glass, matrix, filter, gap_mm }))
     }
@@ -302,7 +315,7 @@ impl<'a> Filtered<'a> {
     ) -> Result<Seen, DisplayError> {
         let states: Vec<Vec<usize>> = states.iter().map(|states| self.below(states)).collect();
         let asked = Asked { states: &states, windows };
-        let unfiltered = self.unfiltered(period, number);
+        let unfiltered = self.unfiltered(period, number)?;
         let sources = 0..self.setup.sources.len();
         let shown = match &self.panel.base.reflector {
             Reflector::Lambertian(rho) => {
@@ -319,8 +332,8 @@ impl<'a> Filtered<'a> {
             _ => {
                 let of_source = |source: usize| {
                     self.control.check()?;
-                    let (view, source) = (&self.setup.views[number].field, &self.setup.sources[source]);
-                    self.of_mirrors(period, &asked, |panel| {
+                    let view = &self.setup.views[number].field;
+                    self.of_mirrors(period, &asked, source, |panel, source| {
                         self.mirrored_spread(panel, view, source, period.level)
                     })
                 };
@@ -345,9 +358,9 @@ impl<'a> Filtered<'a> {
         Ok(by_reciprocity(shown.into_iter().zip(unfiltered).map(factor).collect()))
     }
 
-    /// Mirror image of a beam in the pixels, its light along `beta`, by state of the display; 0 of Lambertian
+    /// Mirror image of the beam of a source in the pixels, its light along `beta`, by state of the display; 0 of Lambertian
     /// ones.
-    pub(crate) fn image(&self, beta: Beta) -> Result<StateSpectra, DisplayError> {
+    pub(crate) fn image(&self, source: usize, beta: Beta) -> Result<StateSpectra, DisplayError> {
         let (states, bins) = (self.setup.states.len(), self.setup.scene.grid.len());
         if !self.is_mirror() {
             return Ok(StateSpectra::zeros(states, bins));
@@ -356,20 +369,23 @@ impl<'a> Filtered<'a> {
         let period = self.period(level, 1)?;
         let below: Vec<Vec<usize>> = (0..states).map(|state| self.below(&[state])).collect();
         let asked = Asked { states: &below, windows: self.of_first_pixel(&period) };
-        let shown =
-            self.of_mirrors(&period, &asked, |panel| PanelSpread::image(panel, beta).map_err(not_computed))?;
+        let shown = self.of_mirrors(&period, &asked, source, |panel, _| {
+            PanelSpread::image(panel, beta).map_err(not_computed)
+        })?;
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
     }
 
-    /// What is seen of mirror-like pixels, given the light by direction for each panel.
+    /// What is seen of mirror-like pixels in the light of a source, given this light by direction.
     fn of_mirrors(
         &self,
         period: &Period,
         asked: &Asked<'_>,
-        spread: impl Fn(&Panel) -> Result<PanelSpread, DisplayError>,
+        source: usize,
+        spread: impl Fn(&Panel, &Source) -> Result<PanelSpread, DisplayError>,
     ) -> Result<Shown, DisplayError> {
-        let of_panel = |(panel, weight): &(Panel, f64)| {
-            let shown = period.planes.mirrored(panel, &spread(panel)?, asked, period.level as u32);
+        let of_panel = |Mirrors { panel, sources }: &Mirrors| {
+            let (source, weight) = &sources[source];
+            let shown = period.planes.mirrored(panel, &spread(panel, source)?, asked, period.level as u32);
             Ok((shown.map_err(not_computed)?, *weight))
         };
         let parts = self.mirrors.iter().map(of_panel).collect::<Result<Vec<_>, DisplayError>>()?;
@@ -429,14 +445,18 @@ impl<'a> Filtered<'a> {
 
     /// What a view sees of all sources without the filter: light of the first order for a reflectance of 1,
     /// and that of faces.
-    fn unfiltered(&self, period: &Period, view: usize) -> Vec<ReflectanceFactor> {
+    fn unfiltered(&self, period: &Period, view: usize) -> Result<Vec<ReflectanceFactor>, DisplayError> {
         let stack = self.stack.with_base(white(self.setup.scene.grid.len(), period.page));
         let mut all = period.kernel.seen(&stack, view);
         for factor in &mut all {
             let by_wavelength = factor.via_pixel.iter_mut().zip(&period.orders);
             by_wavelength.for_each(|(light, orders)| *light /= period.page * orders);
         }
-        all
+        if check_unpolarised(&self.setup.scene).is_err() {
+            let seen = self.setup.seen(&self.setup.views[view], period.level as u32 + 2, self.control)?;
+            all.iter_mut().zip(seen).for_each(|(one, seen)| one.front = seen.front);
+        }
+        Ok(all)
     }
 
     /// Light of a source that reaches each sub-pixel for the first time through each window, for each

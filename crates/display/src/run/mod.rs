@@ -266,10 +266,10 @@ impl Run<'_> {
     /// layers.
     fn misses_images_of_pixels(&self) -> bool {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];
-        directed.iter().any(|source| {
+        directed.iter().enumerate().any(|(i, source)| {
             let beta = source.direction().unwrap_or_default();
             let image = specular_image(&self.setup.stack, beta);
-            image.via_pixel.iter().any(|pixel| *pixel > 0.0) && self.image_below_filter(beta).is_none()
+            image.via_pixel.iter().any(|pixel| *pixel > 0.0) && self.image_below_filter(1 + i, beta).is_none()
         })
     }
 
@@ -280,15 +280,15 @@ impl Run<'_> {
         if self.scene.display.filter().is_some() {
             // A display with a filter has other states than its pixel.
             let nothing = || StateSpectra::zeros(self.setup.states.len(), image.front.len());
-            image.via_pixel = self.image_below_filter(beta).unwrap_or_else(nothing);
+            image.via_pixel = self.image_below_filter(number, beta).unwrap_or_else(nothing);
         }
         image.total()
     }
 
-    /// Mirror image of a beam in pixels below a filter.
-    fn image_below_filter(&self, beta: Beta) -> Option<StateSpectra> {
+    /// Mirror image of the beam of a source in pixels below a filter.
+    fn image_below_filter(&self, number: usize, beta: Beta) -> Option<StateSpectra> {
         let filtered = Filtered::new(self.setup, self.control).ok()??;
-        filtered.image(beta).ok()
+        filtered.image(number, beta).ok()
     }
 
     /// Assembles the result; `unreached` explains why a target was not reached.

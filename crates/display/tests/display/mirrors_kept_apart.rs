@@ -186,6 +186,31 @@ fn figures_and_filters_agree_with_paths() {
     }
 }
 
+/// Below a filter, as without it: the mean of what is seen through two polarisers, with the front, and an s-polarised lamp that is mirrored like light of s.
+#[test]
+fn polarised_light_passes_filters() {
+    let of = |more: &[&str]| {
+        let lamp = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.4\n[[lighting.directed]]\n\
+            theta_deg = -60\nshare = 0.6\nradius_deg = 5\npolarisation = { degree = 1.0, angle_deg = 90 }\n";
+        let filter = filter(30.0, "red = 0.8, green = 0.5, blue = 0.2");
+        let scene = resolved(&[FRONT, GLASS, MIRROR, &filter, lamp, &view(60.0)], more).scene;
+        run_on(&scene, Some(1)).unwrap().views.remove(0)
+    };
+    let [both, s, p] = [&[][..], &["viewer.polariser=s"], &["viewer.polariser=p"]].map(of);
+    for (name, state) in both.states.iter() {
+        let [s, p] = [&s, &p].map(|one| &one.states.get(name).unwrap().value);
+        near(name, 0.5 * (s.Y + p.Y) / state.value.Y, 1.0, 1e-6);
+        near(name, 0.5 * s.terms.directed[0] / state.value.terms.directed[0], 1.0, 1e-6);
+        near(name, p.terms.directed[0], 0.0, 1e-9);
+    }
+    let walked = of(&["solver={ method = \"monte-carlo\", paths = 8192 }", "viewer.polariser=s"]);
+    for (name, state) in walked.states.iter() {
+        let error = state.standard_error.Y;
+        let exact = s.states.get(name).unwrap().value.Y;
+        near(name, state.value.Y / exact, 1.0, 4.5 * error / exact + 1e-3);
+    }
+}
+
 /// Flat layers below a diffuser: the note says that their places are those of unpolarised light.
 #[test]
 fn note_names_what_is_left() {

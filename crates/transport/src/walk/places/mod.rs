@@ -260,8 +260,7 @@ impl<'a> PlacedWalk<'a> {
         };
         let (by_source, usual) = (stack.weights_by_source(sources), stack.weights_of_polarisations());
         let walks = both.iter().enumerate().map(|(number, own)| {
-            let light = stack.polarised_view();
-            let sources = light.map_or(sources.into(), |light| light.sources(sources, Some(number)));
+            let sources = stack.sources_of(number, sources);
             of((own, sources), by_source.iter().map(|weights| weights[number]).collect(), usual[number])
         });
         Ok(Self { walks: walks.collect() })
