@@ -4,7 +4,8 @@
 //! unpolarised. Therefore
 //!
 //! - above a mirror-like pixel, where nothing scatters, or only diffusers that keep s and p do (`depolarisation = 0`), the whole display is computed for s
-//!   and for p ([`weights`], [`Stack::with_polarisations`]), and a polariser before the eye chooses between them;
+//!   and for p ([`weights`], [`Stack::with_polarisations`]), and a polariser before the eye chooses between them; where nothing scatters, also light with
+//!   its places ([`of_places`]);
 //! - elsewhere each run of flat layers that begins and ends with the air or a scatterer is one interface
 //!   ([`FlatRun`]) of light without regard to places; the run between the last scatterer and a mirror is one together
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).

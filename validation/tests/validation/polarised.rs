@@ -527,7 +527,10 @@ fn places_below_flat_layers_keep_s_and_p_apart() {
     let kept = run(&scene, &control).unwrap().views[0].states.get("black").unwrap().value.Y;
     assert!((as_mean / kept - 1.0).abs() > 0.02, "{as_mean} {kept}");
     let mirror = "display.pixel={model=\"uniform\",kind=\"mirror\",reflectance={white=0.5,black=0.02}}";
-    assert!(note_of_places(&placed(&[mirror]).scene).is_some());
+    assert!(note_of_places(&placed(&[mirror]).scene).is_none());
+    let below_haze =
+        "display.layers.0={kind=\"diffuser\",model=\"k-correlation\",width=0.1,transmittance=0.9}";
+    assert!(note_of_places(&placed(&[mirror, below_haze]).scene).is_some());
 }
 
 /// Sheets of a front of screen in air, `[reflectance, absorptance]` from the top, as one: reflectance from above and from
