@@ -22,12 +22,18 @@ impl Estimate {
     ///
     /// Source: B. Efron and C. Stein, Ann. Statist. 9, 586 (1981), applied to groups.
     pub(super) fn jackknife(estimate: impl Fn(Option<usize>) -> f64) -> Self {
-        let count = REPLICATES as f64;
-        let without: Vec<f64> = (0..REPLICATES).map(|left_out| estimate(Some(left_out))).collect();
-        let mean = without.iter().sum::<f64>() / count;
-        let squares: f64 = without.iter().map(|value| (value - mean).powi(2)).sum();
-        Self { value: estimate(None), standard_error: (squares * (count - 1.0) / count).sqrt() }
+        let without = (0..REPLICATES).map(|left_out| estimate(Some(left_out)));
+        Self { value: estimate(None), standard_error: jackknife_error(without) }
     }
+}
+
+/// Standard error by the jackknife, from the values without each of the replicates.
+pub(super) fn jackknife_error(without: impl Iterator<Item = f64>) -> f64 {
+    let without: Vec<f64> = without.collect();
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let squares: f64 = without.iter().map(|value| (value - mean).powi(2)).sum();
+    (squares * (count - 1.0) / count).sqrt()
 }
 
 /// Largest standard deviation, relative to the size of a metric or to 1, that rounding errors may cause.

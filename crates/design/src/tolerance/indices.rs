@@ -26,8 +26,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::consistent::consistent;
-use super::estimate::{Estimate, Sums, is_rounding};
-use super::plan::{Draw, Plan, replicate};
+use super::estimate::{Estimate, Sums, is_rounding, jackknife_error};
+use super::plan::{Draw, Plan, REPLICATES, replicate};
 use super::surrogate::{Basis, Fits, Term, Workspace};
 
 /// Sobol indices of a group of keys: its contributions to a metric's variance.
@@ -73,8 +73,9 @@ pub struct Surrogate {
 /// worse fit may have any value.
 const MOST_UNEXPLAINED: f64 = 0.1;
 
-/// Smallest standard error of an index that uses a fit. Moments of polynomials have errors of up to 1e-5, and
-/// standard errors from the displays do not include errors of the fit beyond the outermost displays.
+/// Smallest standard error of an index that uses a fit: moments of polynomials have errors of up to 1e-5. It is larger for fewer than
+/// a thousand displays: beyond the outermost of n, with a probability of 1/n, a fit may be wrong by [`MOST_UNEXPLAINED`], and no
+/// replicate shows it.
 const LEAST_ERROR: f64 = 1e-4;
 
 impl Sensitivities {
@@ -126,6 +127,14 @@ impl GroupFit<'_> {
             part(&|term| term.iter().all(is_in_group)),
             part(&|term| term.iter().any(is_in_group)),
         ]
+    }
+
+    /// Least standard errors of the first-order and the total index: those of the fit itself, which was fitted to this many displays.
+    /// Each replicate's fit is that of all others, so that the spread of their indices is a jackknife.
+    fn errors(&self, displays: usize) -> [f64; 2] {
+        let moments: Vec<[f64; 4]> = (0..REPLICATES).map(|replicate| self.moments(replicate)).collect();
+        let least = LEAST_ERROR.max(MOST_UNEXPLAINED / displays as f64);
+        [2, 3].map(|part| jackknife_error(moments.iter().map(|one| one[part] / one[1])).max(least))
     }
 }
 
@@ -179,6 +188,11 @@ impl Samples {
         basis.fit(value).filter(|fit| fit.terms() > 1 && fit.unexplained <= MOST_UNEXPLAINED)
     }
 
+    /// Number of displays.
+    fn displays(&self) -> usize {
+        self.own.len() + (1 + self.mixed.len()) * self.other.len()
+    }
+
     /// Values of a row for its own display, the second one, and the one with a group mixed in from the
     /// second.
     fn row(&self, group: usize, row: usize) -> [f64; 3] {
@@ -198,14 +212,15 @@ impl Samples {
         }
         let controlled = fitted.map(|(fit, fitted)| {
             let expected_terms: Vec<[f64; TERMS]> =
-                (0..super::REPLICATES).map(|replicate| expected(fit.moments(replicate), centre)).collect();
-            Estimators(Sums::of(known.iter().map(|(row, values)| {
+                (0..REPLICATES).map(|replicate| expected(fit.moments(replicate), centre)).collect();
+            let sums = Sums::of(known.iter().map(|(row, values)| {
                 let [own, fit] = [*values, fitted.row(group, *row)].map(|values| terms(values, centre));
                 let expected = expected_terms[replicate(*row)];
                 let mut sum = [1.0; TERMS];
                 (0..TERMS - 1).for_each(|k| sum[k] = own[k] - fit[k] + expected[k]);
                 (replicate(*row), sum)
-            })))
+            }));
+            (Estimators(sums), fit.errors(self.displays()))
         });
         // The sums are uncertain by at least one row: no replicate may contain any of the rare events.
         let far =
@@ -220,7 +235,8 @@ impl Samples {
 /// Estimators of a group's indices, from the metric alone and with a fit as control variate.
 struct IndexEstimates {
     plain: Estimators,
-    controlled: Option<Estimators>,
+    /// The latter, and the least errors of the first-order and the total index: those of the fit itself.
+    controlled: Option<(Estimators, [f64; 2])>,
     /// Change of an index by one row.
     one_row: f64,
     /// True if the group has no effect in any row.
@@ -232,21 +248,26 @@ struct IndexEstimates {
 impl IndexEstimates {
     /// Returns the better estimators for an index, and their standard error. `is_certain` is true if the rows
     /// determine the index exactly.
-    fn better(&self, of: fn(&Estimators, Option<usize>) -> f64, is_certain: bool) -> (&Estimators, f64) {
+    fn better(
+        &self,
+        of: fn(&Estimators, Option<usize>) -> f64,
+        order: usize,
+        is_certain: bool,
+    ) -> (&Estimators, f64) {
         let error = |all: &Estimators| Estimate::jackknife(|left_out| of(all, left_out)).standard_error;
         let plain = error(&self.plain).max(if is_certain { 0.0 } else { self.one_row });
         // A fit that is of no use adds its own errors. Selecting the smaller of two uncertain errors would be
         // biased.
-        match self.controlled.as_ref().map(|all| (all, error(all))) {
-            Some((all, controlled)) if plain >= 0.5 * controlled => (all, controlled.max(LEAST_ERROR)),
+        match self.controlled.as_ref().map(|(all, errors)| (all, error(all).max(errors[order]))) {
+            Some((all, controlled)) if plain >= 0.5 * controlled => (all, controlled),
             _ => (&self.plain, plain),
         }
     }
 
     fn indices(&self) -> Indices {
-        let (weak, weak_error) = self.better(Estimators::first_of_weak_group, self.is_inert);
-        let (strong, strong_error) = self.better(Estimators::first_of_strong_group, self.is_alone);
-        let (all, all_error) = self.better(Estimators::total, self.is_inert);
+        let (weak, weak_error) = self.better(Estimators::first_of_weak_group, 0, self.is_inert);
+        let (strong, strong_error) = self.better(Estimators::first_of_strong_group, 0, self.is_alone);
+        let (all, all_error) = self.better(Estimators::total, 1, self.is_inert);
         let [weak_variance, strong_variance] = [weak_error, strong_error].map(|error| error * error);
         // An estimator without error receives the full weight.
         let weight = strong_variance / (weak_variance + strong_variance).max(f64::MIN_POSITIVE);
@@ -255,8 +276,13 @@ impl IndexEstimates {
                 + (1.0 - weight) * strong.first_of_strong_group(left_out)
         });
         let mut total = Estimate::jackknife(|left_out| all.total(left_out));
-        // The mean of two estimators is at best as accurate as that of independent ones.
-        let least = weak_error.min(strong_error) * std::f64::consts::FRAC_1_SQRT_2;
+        // The mean of two estimators is at best as accurate as that of independent ones. The error of a fit is common to both.
+        let of_fit = self
+            .controlled
+            .as_ref()
+            .filter(|(fitted, _)| std::ptr::eq(weak, fitted) || std::ptr::eq(strong, fitted));
+        let independent = weak_error.min(strong_error) * std::f64::consts::FRAC_1_SQRT_2;
+        let least = of_fit.map_or(independent, |(_, errors)| independent.max(errors[0]));
         first.standard_error = first.standard_error.max(least);
         total.standard_error = total.standard_error.max(all_error);
         Indices { first, total }

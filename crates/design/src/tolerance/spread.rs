@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::estimate::{Estimate, Sums, is_rounding};
-use super::plan::replicate;
+use super::plan::{REPLICATES, replicate};
 
 /// Percentiles that are reported.
 pub const PERCENTILES: [f64; 7] = [1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0];
@@ -20,7 +20,7 @@ pub struct MetricDistribution {
     pub deviation: Estimate,
     /// Smallest and largest value.
     pub range: [f64; 2],
-    /// Values at [`PERCENTILES`], by linear interpolation between neighbouring displays.
+    /// Values at [`PERCENTILES`], median-unbiased: interpolated between neighbouring displays.
     pub percentiles: [Estimate; PERCENTILES.len()],
 }
 
@@ -61,34 +61,73 @@ impl MetricDistribution {
     }
 }
 
+/// Smallest number of intervals between neighbouring values from which a slope is computed.
+const LEAST_INTERVALS: f64 = 8.0;
+
 /// Percentiles of sorted values, each given with its replicate.
 ///
-/// Standard errors follow Woodruff (J. Am. Stat. Assoc. 47, 635 (1952)): the standard error of the fraction
-/// of displays below the percentile, from the replicates, times the slope of the metric between percentiles
-/// on both sides. These are far enough apart for enough displays to lie between them. (The jackknife does not
-/// estimate the error of a percentile, because it depends only on the few values next to it.)
+/// **Value**: the median-unbiased estimate, R. J. Hyndman and Y. Fan, Am. Stat. 50, 361 (1996), definition 8. Definition 7, which
+/// many programs use, lies too far inside where few values lie outside: by 0.4 standard deviations for 1 % of 64 normal values.
+///
+/// **Standard error**: that of the logit of the fraction of displays below the percentile, times the slope of the metric over the
+/// logit. This is the method of R. S. Woodruff (J. Am. Stat. Assoc. 47, 635 (1952)) in a coordinate in which the tails of most
+/// distributions are almost straight, so that it holds where one value, or none, lies outside. For independent displays, the fraction
+/// below the value of rank r of n has the beta distribution of r and n + 1 - r, and its logit the variance
+/// `trigamma(r) + trigamma(n + 1 - r)`. Sobol points have less: by the ratio of the variances of the fraction, which the replicates
+/// state. (The jackknife does not estimate the error of a percentile, because it depends only on the few values next to it.)
 fn percentiles(sorted: &[(f64, usize)]) -> [Estimate; PERCENTILES.len()] {
     let values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
+    let count = values.len() as f64;
     PERCENTILES.map(|percent| {
         let fraction = percent / 100.0;
         let value = interpolated(&values, fraction);
         let below = |other: f64| if other == value { 0.5 } else { f64::from(u8::from(other < value)) };
         let terms = sorted.iter().map(|(other, replicate)| (*replicate, [below(*other), 1.0]));
-        let count = values.len() as f64;
-        // The count is uncertain by at least half a display.
-        let error = Sums::of(terms).fraction().standard_error.max(0.5 / count);
-        let off = count.sqrt().recip().min(0.5 * fraction).min(0.5 * (1.0 - fraction)).max(error);
-        let (low, high) = ((fraction - off).max(0.0), (fraction + off).min(1.0));
-        let slope = (interpolated(&values, high) - interpolated(&values, low)) / (high - low);
-        Estimate { value, standard_error: slope * error }
+        let of_replicates = Sums::of(terms).fraction().standard_error;
+        // Variances of the number of displays below. Whole numbers of each replicate are uncertain by rounding; where fewer
+        // displays lie outside, they are independent.
+        let independent = count * fraction * (1.0 - fraction);
+        let outside = count * fraction.min(1.0 - fraction);
+        let variance = (of_replicates * count).powi(2).max(outside.min(REPLICATES as f64 / 12.0));
+        let rank = (count * fraction + 0.5).clamp(1.0, count);
+        let of_logit = trigamma(rank) + trigamma(count + 1.0 - rank);
+        let error = (variance / independent * of_logit).sqrt();
+        Estimate { value, standard_error: slope(&values, rank) * error }
     })
 }
 
-/// Value below which a fraction of the sorted values lies.
+/// Slope of the sorted values around a rank, over the logit of the fraction below: its expected values for the ranks k and k + 1
+/// of n differ by `1/k + 1/(n - k)`.
+fn slope(sorted: &[f64], rank: f64) -> f64 {
+    let count = sorted.len() as f64;
+    let outside = rank.min(count + 1.0 - rank);
+    let half = count.sqrt().min(f64::max(0.75 * outside, 0.5 * LEAST_INTERVALS));
+    let mut low = (rank - half).round().max(1.0);
+    let mut high = (rank + half).round().min(count);
+    if 2.0 * rank < count {
+        high = high.max(low + LEAST_INTERVALS).min(count);
+    } else {
+        low = low.min(high - LEAST_INTERVALS).max(1.0);
+    }
+    let (low, high) = (low as usize, high as usize);
+    if low == high {
+        return 0.0;
+    }
+    let logit: f64 = (low..high).map(|k| 1.0 / k as f64 + 1.0 / (count - k as f64)).sum();
+    (sorted[high - 1] - sorted[low - 1]) / logit
+}
+
+/// Trigamma function of x from 1 on, with an error of at most 1.4 %: Abramowitz and Stegun 6.4.12.
+fn trigamma(x: f64) -> f64 {
+    (1.0 + (0.5 + 1.0 / (6.0 * x)) / x) / x
+}
+
+/// Value below which a fraction of the distribution lies, by interpolation between sorted values; at most the outermost ones.
 fn interpolated(sorted: &[f64], fraction: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let position = fraction * last as f64;
-    let below = (position.floor() as usize).min(last);
+    let rank = (sorted.len() as f64 + 1.0 / 3.0) * fraction + 1.0 / 3.0;
+    let position = (rank - 1.0).clamp(0.0, last as f64);
+    let below = position.floor() as usize;
     let above = (below + 1).min(last);
     sorted[below] + (position - below as f64) * (sorted[above] - sorted[below])
 }
@@ -97,13 +136,17 @@ fn interpolated(sorted: &[f64], fraction: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Those of `numpy.percentile(..., method="median_unbiased")`.
     #[test]
-    fn percentiles_of_equidistant_values_are_exact() {
-        let values: Vec<f64> = (0..=4000).rev().map(f64::from).collect();
+    fn percentiles_of_equidistant_values_are_median_unbiased() {
+        let values: Vec<f64> = (0..100).rev().map(f64::from).collect();
         let spread = MetricDistribution::of(&values).unwrap();
         let values = spread.percentiles.map(|one| one.value);
-        assert_eq!(values, PERCENTILES.map(|percent| 40.0 * percent));
-        assert_eq!((spread.range, spread.mean.value, spread.undefined), ([0.0, 4000.0], 2000.0, 0));
+        let expected = [101.0 / 300.0, 4.35, 293.0 / 12.0, 49.5, 895.0 / 12.0, 94.65, 29_599.0 / 300.0];
+        for (value, expected) in values.into_iter().zip(expected) {
+            assert!((value - expected).abs() < 1e-12, "{values:?}");
+        }
+        assert_eq!((spread.range, spread.mean.value, spread.undefined), ([0.0, 99.0], 49.5, 0));
     }
 
     #[test]

@@ -128,6 +128,76 @@ fn percentile_deviations_agree_with_standard_errors() {
     }
 }
 
+/// A plan of normal variables with mean 0 and deviation 1.
+fn standard_normal(count: usize) -> impl Fn(u64) -> Plan {
+    move |seed| independent(vec![normal(0.0, 1.0); count], seed)
+}
+
+/// Also where few displays, or none, lie outside a percentile, its deviations from closed forms over seeds have the size of its
+/// standard errors, neither smaller nor larger: for a normal distribution, a long tail, and one that ends.
+#[test]
+fn percentiles_of_few_displays_have_errors_of_the_right_size() {
+    const SEEDS: u64 = 150;
+    let weights = [0.6, 0.64, 0.48];
+    let sum = |x: &[f64]| weights.iter().zip(x).map(|(weight, x)| weight * x).sum::<f64>();
+    let product = |x: &[f64]| (0.3 * sum(x)).exp();
+    let uniform = |seed| independent(vec![Distribution::Uniform { from: 0.0, to: 1.0 }; 2], seed);
+    // Of the sum of two uniform numbers.
+    let triangular = |p: f64| if p < 0.5 { (2.0 * p).sqrt() } else { 2.0 - (2.0 - 2.0 * p).sqrt() };
+    type Case<'a> = (&'a str, &'a dyn Fn(u64) -> Plan, &'a dyn Fn(&[f64]) -> f64, [f64; 7]);
+    let normals = standard_normal(3);
+    let cases: [Case<'_>; 3] = [
+        ("sum", &normals, &sum, NORMAL),
+        ("product", &normals, &product, NORMAL.map(|z| (0.3 * z).exp())),
+        ("uniform", &uniform, &|x| x[0] + x[1], PERCENTILES.map(|percent| triangular(percent / 100.0))),
+    ];
+    for (name, plan, f, wanted) in cases {
+        for rows in [64, 160] {
+            let mut squares = [0.0; 7];
+            for seed in 0..SEEDS {
+                let found = MetricDistribution::of(&column(&plan(seed), rows, Draw::Own, f)).unwrap();
+                for (sum, (found, wanted)) in squares.iter_mut().zip(found.percentiles.iter().zip(wanted)) {
+                    *sum += ((found.value - wanted) / found.standard_error).powi(2) / SEEDS as f64;
+                }
+            }
+            let scores = squares.map(f64::sqrt);
+            println!("{name}, {rows} displays: {scores:.2?}");
+            assert!(scores.iter().all(|score| (0.7..1.45).contains(score)), "{name}, {rows}: {scores:.2?}");
+        }
+    }
+}
+
+/// The same of indices: a fit of few displays has the errors of its own coefficients, and of what lies beyond the outermost displays.
+#[test]
+fn indices_of_few_displays_have_errors_of_the_right_size() {
+    const SEEDS: u64 = 40;
+    let sigmas: [f64; 3] = [0.4, 0.3, 0.2];
+    let factors = sigmas.map(|sigma| {
+        let square = sigma * sigma;
+        ((0.5 * square).exp(), square.exp() * (square.exp() - 1.0))
+    });
+    let [first, total] = indices_of_product(&factors);
+    let f = |x: &[f64]| sigmas.iter().zip(x).map(|(sigma, x)| (sigma * x).exp()).product::<f64>();
+    for rows in [64, 128] {
+        let mut squares = [0.0; 6];
+        for seed in 0..SEEDS {
+            let plan = standard_normal(3)(seed);
+            let found = Sensitivities::of(&plan, &[samples(&plan, rows, rows / 4, f)]).remove(0).indices;
+            for (k, one) in found.into_iter().flatten().enumerate() {
+                for (which, (found, wanted)) in
+                    [(one.first, first[k]), (one.total, total[k])].into_iter().enumerate()
+                {
+                    squares[2 * k + which] +=
+                        ((found.value - wanted) / found.standard_error).powi(2) / SEEDS as f64;
+                }
+            }
+        }
+        let scores = squares.map(f64::sqrt);
+        println!("{rows} displays: {scores:.2?}");
+        assert!(scores.iter().all(|score| (0.7..1.5).contains(score)), "{rows}: {scores:.2?}");
+    }
+}
+
 /// Ishigami and Homma 1990: sin x + 7 sin^2 y + 0.1 z^4 sin x over [-pi, pi], whose indices have closed
 /// forms.
 #[test]
