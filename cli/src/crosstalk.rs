@@ -24,8 +24,8 @@ impl SpatialOutput for CrosstalkResult {
     const JSON: &'static str = "crosstalk.json";
     const FIGURES: &'static [&'static str] = &["crosstalk"];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
-        with_scenario(resolved, self)
+    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str, notes: &'a [String]) -> impl Serialize + 'a {
+        with_scenario(resolved, notes, self)
     }
 
     fn table(&self, title: &str) -> String {
@@ -43,7 +43,7 @@ impl SpatialOutput for CrosstalkResult {
     }
 
     fn notes(&self, resolved: &Resolved) -> Vec<String> {
-        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+        resolved.notes_of_places()
     }
 
     fn warnings(&mut self) -> &mut Vec<String> {

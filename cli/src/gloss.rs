@@ -23,8 +23,8 @@ impl SpatialOutput for GlossResult {
     const JSON: &'static str = "gloss.json";
     const FIGURES: &'static [&'static str] = &[];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
-        with_scenario(resolved, self)
+    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str, notes: &'a [String]) -> impl Serialize + 'a {
+        with_scenario(resolved, notes, self)
     }
 
     fn table(&self, title: &str) -> String {

@@ -52,8 +52,8 @@ pub(crate) fn gonio(arguments: &Gonio) -> Result<(), Failure> {
     let found = found?;
     let goniometer = &measurement.goniometer;
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
-    let audit =
-        SurfaceAuditFile::new([env!("CARGO_PKG_VERSION"), &title, &resolved.hash], goniometer, &found);
+    let head = [env!("CARGO_PKG_VERSION"), &title, &resolved.hash];
+    let audit = SurfaceAuditFile::new(head, &resolved.notes, goniometer, &found);
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
         write_json(&mut stdout, &audit)?;

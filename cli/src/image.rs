@@ -214,10 +214,15 @@ impl SpatialOutput for ImageOutput {
     const JSON: &'static str = "image.json";
     const FIGURES: &'static [&'static str] = &["seen", "rooms", "states"];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
+    fn content<'a>(
+        &'a self,
+        resolved: &'a Resolved,
+        title: &'a str,
+        notes: &'a [String],
+    ) -> impl Serialize + 'a {
         let (papilio, hash) = (env!("CARGO_PKG_VERSION"), &resolved.hash);
         ImageFile {
-            file: TitledFile { papilio, title, hash, result: &self.here.numbers },
+            file: TitledFile { papilio, title, hash, notes, result: &self.here.numbers },
             frame: self.frame.as_ref().map(|frame| &frame.numbers),
         }
     }
@@ -261,7 +266,7 @@ impl SpatialOutput for ImageOutput {
     }
 
     fn notes(&self, resolved: &Resolved) -> Vec<String> {
-        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+        resolved.notes_of_places()
     }
 
     fn warnings(&mut self) -> &mut Vec<String> {

@@ -23,8 +23,8 @@ impl SpatialOutput for MtfResult {
     const JSON: &'static str = "mtf.json";
     const FIGURES: &'static [&'static str] = &["mtf", "edges", "kernel-", "kernel_"];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str) -> impl Serialize + 'a {
-        with_scenario(resolved, self)
+    fn content<'a>(&'a self, resolved: &'a Resolved, _: &'a str, notes: &'a [String]) -> impl Serialize + 'a {
+        with_scenario(resolved, notes, self)
     }
 
     fn table(&self, title: &str) -> String {
@@ -52,7 +52,7 @@ impl SpatialOutput for MtfResult {
     }
 
     fn notes(&self, resolved: &Resolved) -> Vec<String> {
-        papilio_display::note_of_places(&resolved.scene).into_iter().collect()
+        resolved.notes_of_places()
     }
 
     fn warnings(&mut self) -> &mut Vec<String> {

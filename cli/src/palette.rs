@@ -91,8 +91,14 @@ impl SpatialOutput for PaletteOutput {
     const JSON: &'static str = "palette.json";
     const FIGURES: &'static [&'static str] = &["palette"];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
-        TitledFile { papilio: env!("CARGO_PKG_VERSION"), title, hash: &resolved.hash, result: &self.result }
+    fn content<'a>(
+        &'a self,
+        resolved: &'a Resolved,
+        title: &'a str,
+        notes: &'a [String],
+    ) -> impl Serialize + 'a {
+        let (papilio, hash) = (env!("CARGO_PKG_VERSION"), &resolved.hash);
+        TitledFile { papilio, title, hash, notes, result: &self.result }
     }
 
     fn table(&self, title: &str) -> String {

@@ -31,9 +31,10 @@ const SHOWN_DEG: [f64; 4] = [0.0, 15.0, 30.0, 45.0];
 pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
         .resolve_without_light()?;
-    print_notes(&resolved.notes);
+    let mut notes = resolved.notes.clone();
+    notes.extend(resolved.scene.ignores_polariser());
+    print_notes(&notes);
     print_warnings(&resolved.warnings);
-    print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
     let mut scene = resolved.scene.clone();
     match arguments.angles {
         None => {}
@@ -52,9 +53,9 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
         scan_at(&scene, &theta_deg, &phi_deg).map_err(|error| Failure::from_display(&resolved, error))?;
     let is_given = !arguments.phi.is_empty() || arguments.phi_step.is_some();
     if is_given && scan.phi_deg.is_empty() {
-        print_notes(&[
-            "the reflectance of this pixel is the same at all azimuths: pixel.csv has none".to_owned()
-        ]);
+        let note = "the reflectance of this pixel is the same at all azimuths: pixel.csv has none".to_owned();
+        print_notes(std::slice::from_ref(&note));
+        notes.push(note);
     }
     let medium = if scene.solver.angle_medium == AngleMedium::Air { "air" } else { "glass" };
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
@@ -62,7 +63,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     if arguments.json {
         write_json(
             &mut stdout,
-            &json::PixelJson::new(&title, &resolved.hash, medium, &scan, absorption.as_ref()),
+            &json::PixelJson::new(&title, &resolved.hash, &notes, medium, &scan, absorption.as_ref()),
         )?;
     } else {
         stdout.write_all(

@@ -28,12 +28,18 @@ impl SpatialOutput for SparkleResult {
     const JSON: &'static str = "sparkle.json";
     const FIGURES: &'static [&'static str] = &["sparkle", "ppd"];
 
-    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a {
+    fn content<'a>(
+        &'a self,
+        resolved: &'a Resolved,
+        title: &'a str,
+        notes: &'a [String],
+    ) -> impl Serialize + 'a {
         SparkleFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash: &resolved.hash,
             seed: resolved.scene.solver.seed,
+            notes,
             result: self,
         }
     }

@@ -25,7 +25,12 @@ pub(crate) trait SpatialOutput {
     const FIGURES: &'static [&'static str];
 
     /// The content of the JSON file.
-    fn content<'a>(&'a self, resolved: &'a Resolved, title: &'a str) -> impl Serialize + 'a;
+    fn content<'a>(
+        &'a self,
+        resolved: &'a Resolved,
+        title: &'a str,
+        notes: &'a [String],
+    ) -> impl Serialize + 'a;
 
     /// The table on the terminal.
     fn table(&self, title: &str) -> String;
@@ -36,9 +41,9 @@ pub(crate) trait SpatialOutput {
     /// Names and SVG texts of the figures.
     fn figures(&self, title: &str) -> Vec<(String, String)>;
 
-    /// Notes on the computation.
-    fn notes(&self, _: &Resolved) -> Vec<String> {
-        Vec::new()
+    /// Notes on the scenario and the computation.
+    fn notes(&self, resolved: &Resolved) -> Vec<String> {
+        resolved.notes.clone()
     }
 
     /// Warnings of the result, which its JSON file has: first those of the scenario.
@@ -46,11 +51,16 @@ pub(crate) trait SpatialOutput {
 }
 
 /// The content of a JSON file that has the scenario.
-pub(crate) fn with_scenario<'a, R>(resolved: &'a Resolved, result: &'a R) -> SpatialFile<'a, R> {
+pub(crate) fn with_scenario<'a, R>(
+    resolved: &'a Resolved,
+    notes: &'a [String],
+    result: &'a R,
+) -> SpatialFile<'a, R> {
     SpatialFile {
         papilio: env!("CARGO_PKG_VERSION"),
         hash: &resolved.hash,
         scenario: &resolved.canonical,
+        notes,
         result,
     }
 }
@@ -62,10 +72,10 @@ pub(crate) fn show<R: SpatialOutput>(
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
 ) -> Result<(), Failure> {
     let (mut result, folder) = computed(arguments, resolved, compute)?;
-    let title = title(arguments, resolved);
+    let (title, notes) = (title(arguments, resolved), result.notes(resolved));
     let mut stdout = terminal::output(arguments.json);
     if arguments.json {
-        write_json(&mut stdout, &result.content(resolved, &title))?;
+        write_json(&mut stdout, &result.content(resolved, &title, &notes))?;
     } else {
         stdout.write_all(short_numbers(&result.table(&title)).as_bytes())?;
     }
@@ -74,8 +84,7 @@ pub(crate) fn show<R: SpatialOutput>(
         let names = interrupt::uninterrupted(|| write(folder, &result, resolved, &title, arguments.png))?;
         folder.print_written(&names);
     }
-    print_notes(&resolved.notes);
-    print_notes(&result.notes(resolved));
+    print_notes(&notes);
     print_warnings(result.warnings());
     Ok(())
 }
@@ -126,7 +135,8 @@ fn write<R: SpatialOutput>(
 ) -> Result<Vec<String>, Failure> {
     output::make_folder(folder)?;
     output::remove(folder, |name| output::is_figure_of(R::FIGURES, name))?;
-    write_file(&folder.join(R::JSON), |out| write_json(out, &result.content(resolved, title)))?;
+    let notes = result.notes(resolved);
+    write_file(&folder.join(R::JSON), |out| write_json(out, &result.content(resolved, title, &notes)))?;
     let mut names = vec![R::JSON.to_owned()];
     names.extend(result.write_tables(folder)?);
     names.extend(output::write_figures(folder, result.figures(title), png)?);

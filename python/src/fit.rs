@@ -107,10 +107,11 @@ impl Fit {
         let library = library(folder, files);
         let found = watched(py, &stop, progress.as_ref(), |watch| {
             let (fitting, mut notes) = fitting(text, name, library, measured, watch.stop)?;
-            let found = fit(&fitting, threads, watch)?;
+            let mut found = fit(&fitting, threads, watch)?;
             let text = fitted_text(text, [&here, &here], &fitting, &found)?;
             notes.splice(0..0, fitting.spec().notes.iter().cloned());
-            notes.extend(found.notes.iter().cloned());
+            notes.append(&mut found.notes);
+            found.notes.clone_from(&notes);
             Ok::<_, Failure>(Self { report: found, text, notes })
         })?;
         found.map_err(|failure| failure.raised(py))

@@ -80,16 +80,18 @@ impl Image {
         })?;
         let title = resolved.title.clone().unwrap_or_else(|| name.to_owned());
         resolved.warn_before(&mut of.numbers.warnings);
+        let notes = resolved.notes_of_places();
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
             title: &title,
             hash: &resolved.hash,
+            notes: &notes,
             result: &of.numbers,
         })?;
         let codes = request.codes.as_ref();
         let codes = codes.map(|codes| (codes.controller.map(|one| one.name), codes.of_states.clone()));
         let wanted = of.wanted(&request.source);
-        Ok(Self { of, wanted, codes, json, title, notes: resolved.notes.clone() })
+        Ok(Self { of, wanted, codes, json, title, notes })
     }
 
     /// Name of the controller, and codes of the states; None: the scenario has none.

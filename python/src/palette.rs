@@ -38,6 +38,7 @@ impl Palette {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash: &resolved.hash,
+            notes: &resolved.notes,
             result: &of,
         })?;
         Ok(Self { of, json })

@@ -39,7 +39,7 @@ impl Mtf {
             mtf(&resolved.scene, &resolved.patterns, control)
         })?;
         resolved.warn_before(&mut of.warnings);
-        let json = content(scenario, &of)?;
+        let json = content(scenario, &resolved.notes_of_places(), &of)?;
         Ok(Self { of, json })
     }
 
@@ -95,7 +95,7 @@ impl Crosstalk {
             crosstalk(&resolved.scene, &resolved.patterns.text, control)
         })?;
         resolved.warn_before(&mut of.warnings);
-        let json = content(scenario, &of)?;
+        let json = content(scenario, &resolved.notes_of_places(), &of)?;
         Ok(Self { of, json })
     }
 
@@ -162,6 +162,7 @@ impl Sparkle {
             title,
             hash: &resolved.hash,
             seed: resolved.scene.solver.seed,
+            notes: &resolved.notes,
             result: &of,
         })?;
         Ok(Self { of, json })
@@ -207,7 +208,7 @@ impl Gloss {
         let resolved = &scenario.of;
         let mut of = computed(py, resolved, threads, progress, |control| gloss(&resolved.scene, control))?;
         resolved.warn_before(&mut of.warnings);
-        let json = content(scenario, &of)?;
+        let json = content(scenario, &resolved.notes, &of)?;
         Ok(Self { of, json })
     }
 
@@ -254,12 +255,13 @@ fn columns(result: &MtfResult) -> serde_json::Result<[Columns; 2]> {
 }
 
 /// The text of `mtf.json` or `crosstalk.json`.
-fn content(scenario: &Resolved, result: &impl serde::Serialize) -> PyResult<String> {
+fn content(scenario: &Resolved, notes: &[String], result: &impl serde::Serialize) -> PyResult<String> {
     let Resolved { of: resolved, .. } = scenario;
     text(&SpatialFile {
         papilio: env!("CARGO_PKG_VERSION"),
         hash: &resolved.hash,
         scenario: &resolved.canonical,
+        notes,
         result,
     })
 }

@@ -98,7 +98,7 @@ impl Surface {
 /// The contents of all files of a measurement.
 fn files_of(resolved: &ResolvedSurface, title: String, found: &Findings) -> PyResult<Surface> {
     let head = [env!("CARGO_PKG_VERSION"), &title, &resolved.hash];
-    let json = text(&SurfaceAuditFile::new(head, &resolved.measurement.goniometer, found))?;
+    let json = text(&SurfaceAuditFile::new(head, &resolved.notes, &resolved.measurement.goniometer, found))?;
     let figures = of_surface(found, &title);
     let failed = |error: std::io::Error| errors::internal(&error.to_string());
     let rays = found.rays.as_ref().map(|rays| tables(resolved, rays)).transpose().map_err(failed)?;

@@ -18,10 +18,11 @@ use papilio_formats::{
     write_comparison, write_file, write_json,
 };
 use papilio_scenario::nearest;
+use serde::Serialize;
 
 use crate::arguments::Compare;
 use crate::numbers::digits;
-use crate::{Failure, interrupt, numbers, output, print_message, report};
+use crate::{Failure, interrupt, numbers, output, print_message, print_notes, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let out = match (&arguments.out, arguments.json) {
@@ -30,8 +31,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         (None, false) => Some(PathBuf::from("out").join("compare")),
     };
     out.as_deref().map_or(Ok(()), output::check)?;
-    let (measured, notes) = measurement(&arguments.measured)?;
-    let (result, read) = simulated::read(arguments, &measured)?;
+    let (measured, of_files) = measurement(&arguments.measured)?;
+    let (result, read, mut notes) = simulated::read(arguments, &measured)?;
     let suggestion = suggestion(&read.simulated, &measured.states);
     let all = compare_measurement(&read.simulated, &measured).map_err(|error| {
         let usual = match measured.states.as_slice() {
@@ -44,13 +45,15 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     })?;
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
+    notes.extend(of_files.iter().cloned());
+    let file = ComparisonFile { notes: &notes, all: &all };
     let written = out
         .as_deref()
-        .map(|folder| interrupt::uninterrupted(|| write(folder, &all, &title, arguments.png)))
+        .map(|folder| interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png)))
         .transpose()?;
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
-        write_json(&mut stdout, &all)?;
+        write_json(&mut stdout, &file)?;
     } else {
         stdout.write_all(report_text(&heading, &all).as_bytes())?;
     }
@@ -58,8 +61,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     if let (Some(folder), Some(names)) = (out, written) {
         output::print_written(&folder, &names);
     }
-    notes.iter().for_each(|note| print_message(note));
-    all.left_out.iter().for_each(|reason| print_message(&format!("note: {reason}")));
+    print_notes(&of_files);
+    print_notes(&all.left_out);
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
     if all.looks_like_percent() {
         print_message(&format!("warning: {IN_PERCENT}"));
@@ -81,7 +84,7 @@ pub(crate) fn measurement(files: &[PathBuf]) -> Result<(Measurement, Vec<String>
         }
         let read = read_measurement(&open(file)?).map_err(Failure::Data)?;
         let name = file.display();
-        notes.extend(read.warnings.iter().map(|note| format!("note: {name}: {note}")));
+        notes.extend(read.warnings.iter().map(|note| format!("{name}: {note}")));
         all.append(read.value);
     }
     Ok((all, notes))
@@ -109,7 +112,17 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
     open_input(path, &path.display().to_string(), LARGEST_FILE).map_err(Failure::Data)
 }
 
-fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<String>, Failure> {
+/// Content of `comparison.json`.
+#[derive(Debug, Serialize)]
+struct ComparisonFile<'a> {
+    /// Notes on the scenario, and on how the measurement was read.
+    notes: &'a [String],
+    #[serde(flatten)]
+    all: &'a Comparison,
+}
+
+fn write(folder: &Path, file: &ComparisonFile<'_>, title: &str, png: bool) -> Result<Vec<String>, Failure> {
+    let all = file.all;
     output::make_folder(folder)?;
     // Figures of an earlier comparison could be mistaken for those of this one.
     output::remove(folder, |name| {
@@ -117,7 +130,7 @@ fn write(folder: &Path, all: &Comparison, title: &str, png: bool) -> Result<Vec<
     })?;
     let mut names = vec!["comparison.csv".to_owned(), "comparison.json".to_owned()];
     write_file(&folder.join("comparison.csv"), |out| write_comparison(out, all))?;
-    write_file(&folder.join("comparison.json"), |out| write_json(out, all))?;
+    write_file(&folder.join("comparison.json"), |out| write_json(out, file))?;
     if all.states.iter().any(|one| one.spectrum.is_some()) {
         write_file(&folder.join("comparison-spectra.csv"), |out| write_compared_spectra(out, all))?;
         names.push("comparison-spectra.csv".to_owned());

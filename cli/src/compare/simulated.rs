@@ -14,10 +14,14 @@ use crate::progress::{FractionBar, with_progress};
 use crate::{Failure, input, interrupt, print_message, print_notes, print_warnings};
 
 /// Reads or computes the simulated side; returns the path of its file, too.
-pub(super) fn read(arguments: &Compare, measured: &Measurement) -> Result<(PathBuf, ReadResult), Failure> {
+pub(super) fn read(
+    arguments: &Compare,
+    measured: &Measurement,
+) -> Result<(PathBuf, ReadResult, Vec<String>), Failure> {
     let path = &arguments.result;
     if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
-        return Ok((path.clone(), computed(arguments, measured)?));
+        let (read, notes) = computed(arguments, measured)?;
+        return Ok((path.clone(), read, notes));
     }
     if !arguments.set.is_empty() {
         return Err(Failure::Input(format!(
@@ -31,7 +35,7 @@ pub(super) fn read(arguments: &Compare, measured: &Measurement) -> Result<(PathB
         return Err(without_result(path));
     }
     let read = read_result_with(&super::open(&file)?, &measured.metrics).map_err(Failure::Data)?;
-    Ok((file, read))
+    Ok((file, read, Vec::new()))
 }
 
 const RESULT: &str = "result.json";
@@ -55,7 +59,7 @@ fn without_result(folder: &Path) -> Failure {
 }
 
 /// Computes a scenario, its measured metrics, and the spread by its `[tolerance]`.
-fn computed(arguments: &Compare, measured: &Measurement) -> Result<ReadResult, Failure> {
+fn computed(arguments: &Compare, measured: &Measurement) -> Result<(ReadResult, Vec<String>), Failure> {
     let (path, set) = (&arguments.result, &arguments.set);
     let scenario = input::scenario::<Scenario>(path, set)?;
     let resolved = scenario.resolve()?;
@@ -76,7 +80,8 @@ fn computed(arguments: &Compare, measured: &Measurement) -> Result<ReadResult, F
     if scenario.has_tolerance() {
         add_spread(&mut simulated, measured, path, arguments)?;
     }
-    Ok(ReadResult { title: resolved.title.clone(), hash: Some(resolved.hash.clone()), simulated })
+    let read = ReadResult { title: resolved.title.clone(), hash: Some(resolved.hash.clone()), simulated };
+    Ok((read, resolved.notes.clone()))
 }
 
 /// Adds the spread by the tolerances of the inputs.

@@ -23,11 +23,13 @@ const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
 
 pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     let spec = input::scenario::<Fit>(&arguments.scenario.file, &arguments.scenario.set)?;
-    print_notes(&spec.notes);
+    let mut notes = spec.notes.clone();
+    print_notes(&notes);
     let own = costs::own(&arguments.scenario.file, &arguments.scenario.set)?;
     costs::check_fit(&own, &spec, arguments.workers.threads)?;
-    let (measured, notes) = measurement(&arguments.measured)?;
-    notes.iter().for_each(|note| print_message(note));
+    let (measured, of_files) = measurement(&arguments.measured)?;
+    print_notes(&of_files);
+    notes.extend(of_files);
     interrupt::catch_ctrl_c();
     let started = Instant::now();
     let title = spec.title.clone().unwrap_or_else(|| crate::report::file_title(&arguments.scenario.file));
@@ -48,8 +50,8 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
             .run(threads, &|fraction, words| bar.advance(fraction, words.to_owned()))
             .map_err(interrupted)?
     };
-    let Some(found) = found else {
-        print_as_notes(fitting.notes());
+    let Some(mut found) = found else {
+        print_notes(fitting.notes());
         return Err(Failure::Infeasible(
             "no start led to a minimum\n  = help: use more starts (fit.starts), or narrower bounds around what is known",
         ));
@@ -59,6 +61,9 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
         report::counted(found.observations, "number"),
         started.elapsed().as_secs_f64()
     ));
+    // Those of the fit are printed after it, and written with the others.
+    let of_fit = found.notes.clone();
+    found.notes.splice(0..0, notes);
     output::make_folder(&folder)?;
     let names = interrupt::uninterrupted(|| write(arguments, &folder, &title, &fitting, &found))?;
     let mut stdout = crate::terminal::output(arguments.json);
@@ -69,12 +74,8 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     }
     stdout.flush()?;
     folder.print_written(&names);
-    print_as_notes(&found.notes);
+    print_notes(&of_fit);
     Ok(())
-}
-
-fn print_as_notes(notes: &[String]) {
-    notes.iter().for_each(|note| print_message(&format!("note: {note}")));
 }
 
 fn interrupted(error: DesignError) -> Failure {

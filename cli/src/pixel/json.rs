@@ -24,6 +24,7 @@ pub(super) struct PixelJson<'a> {
     papilio: &'static str,
     title: &'a str,
     hash: &'a str,
+    notes: &'a [String],
     /// Medium of the angles: `air` or `glass`.
     angles: &'a str,
     theta_deg: &'a [f64],
@@ -63,6 +64,7 @@ impl<'a> PixelJson<'a> {
     pub(super) fn new(
         title: &'a str,
         hash: &'a str,
+        notes: &'a [String],
         angles: &'a str,
         scan: &'a PixelScan,
         absorption: Option<&'a PixelAbsorption>,
@@ -76,6 +78,7 @@ impl<'a> PixelJson<'a> {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash,
+            notes,
             angles,
             theta_deg: &scan.theta_deg,
             phi_deg: &scan.phi_deg,

@@ -72,7 +72,7 @@ pub(super) fn run(
         return Ok(());
     }
     let all: Vec<&[f64]> = mine.iter().filter_map(|point| rows.get(*point)).collect();
-    finish(folder, &head, &all, outputs)
+    finish(folder, &head, sweep.notes(), &all, outputs)
 }
 
 /// Merges the journals of shards; false if the folders contain no journal of a compact sweep.
@@ -89,11 +89,17 @@ pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     merge::complete(head.points(), |point| rows.contains_key(&point))?;
     let all: Vec<&[f64]> = rows.values().map(Vec::as_slice).collect();
     let out = merge::folder(arguments)?;
-    finish(out, &head, &all, &arguments.outputs).map(|()| true)
+    finish(out, &head, &[], &all, &arguments.outputs).map(|()| true)
 }
 
 /// Writes the table and figures, and prints the report.
-fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: &SweepOutputs) -> Result<(), Failure> {
+fn finish(
+    folder: &Path,
+    head: &SweepHead,
+    notes: &[String],
+    rows: &[&[f64]],
+    outputs: &SweepOutputs,
+) -> Result<(), Failure> {
     let chosen = match outputs.columns.as_slice() {
         [] => None,
         columns => Some(light_columns(head, rows, columns).map_err(|wrong| no_column(&wrong))?),
@@ -121,7 +127,7 @@ fn finish(folder: &Path, head: &SweepHead, rows: &[&[f64]], outputs: &SweepOutpu
     })?;
     let mut stdout = crate::terminal::output(outputs.json);
     if outputs.json {
-        write_light_json(&mut stdout, head, rows)?;
+        write_light_json(&mut stdout, head, notes, rows)?;
     } else {
         stdout.write_all(table::sweep_table(head, &refs, rows.len()).as_bytes())?;
     }

@@ -33,7 +33,7 @@ pub(super) fn merge(arguments: &SweepMerge) -> Result<(), Failure> {
     complete(head.points(), |point| points.contains_key(&point))?;
     let out = folder(arguments)?;
     let points: Vec<&SweepPoint> = (0..head.points()).filter_map(|point| points.get(&point)).collect();
-    finish(out, &head, &points, &arguments.outputs)
+    finish(out, &head, &[], &points, &arguments.outputs)
 }
 
 /// Stores the head of the first journal; fails if the head of another one differs.

@@ -105,7 +105,7 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
         return Ok(());
     }
     let refs: Vec<&SweepPoint> = known.iter().collect();
-    finish(&folder, &head, &refs, outputs)
+    finish(&folder, &head, sweep.notes(), &refs, outputs)
 }
 
 /// Prints a note if a sweep of many points stores all results of each, before it begins.
@@ -149,7 +149,13 @@ fn no_column(wrong: &str) -> Failure {
 }
 
 /// Writes the table and figures, and prints the report.
-fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: &Outputs) -> Result<(), Failure> {
+fn finish(
+    folder: &Path,
+    head: &SweepHead,
+    notes: &[String],
+    points: &[&SweepPoint],
+    outputs: &Outputs,
+) -> Result<(), Failure> {
     let chosen = match outputs.columns.as_slice() {
         [] => None,
         columns => Some(sweep_columns(points, columns).map_err(|wrong| no_column(&wrong))?),
@@ -170,7 +176,7 @@ fn finish(folder: &Path, head: &SweepHead, points: &[&SweepPoint], outputs: &Out
     })?;
     let mut stdout = crate::terminal::output(outputs.json);
     if outputs.json {
-        write_sweep_json(&mut stdout, head, points)?;
+        write_sweep_json(&mut stdout, head, notes, points)?;
     } else {
         stdout.write_all(table::sweep_table(head, points, points.len()).as_bytes())?;
     }

@@ -45,6 +45,7 @@ fn files_are_written() {
     let sum: f64 = coverage.values().map(|fraction| fraction.as_f64().unwrap()).sum();
     assert!((sum - 1.0).abs() < 1e-12 && numbers["out_of_gamut_fraction"].as_f64().unwrap() > 0.3);
     assert_eq!(numbers["states"].as_array().unwrap().len(), 6);
+    assert!(numbers["notes"].is_array());
 }
 
 /// The light of a scene: ten times as much is the same picture, and the table says what became white.

@@ -1,6 +1,9 @@
 //! `papilio migrate`, and the notes on old names of commands that read a scenario.
 
 use std::fs;
+use std::process::Output;
+
+use serde_json::Value;
 
 use crate::common::{papilio, place, stderr, stdout};
 
@@ -50,7 +53,7 @@ fn migrate_replaces_old_names_and_keeps_the_rest() {
     assert_eq!(new, expected);
     let after = papilio(&["run", &file, "--json"]);
     let without_notes = |output| {
-        let mut result: serde_json::Value = serde_json::from_str(&stdout(output)).unwrap();
+        let mut result: Value = serde_json::from_str(&stdout(output)).unwrap();
         result.as_object_mut().unwrap().remove("notes");
         result
     };
@@ -64,7 +67,7 @@ fn migrate_prints_json_and_writes_to_another_file() {
     let (folder, file, _) = place(OLD);
     let other = folder.path().join("new.toml");
     let output = papilio(&["migrate", &file, "--out", other.to_str().unwrap(), "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
     assert_eq!(json["renamed"][0]["line"], 3);
     assert_eq!(json["text"].as_str().unwrap(), fs::read_to_string(&other).unwrap());
     assert_eq!(fs::read_to_string(&file).unwrap(), OLD);
@@ -103,10 +106,34 @@ fn studies_have_notes_on_old_names() {
     let (_, display) = OLD.split_once("paths = 64\n").unwrap();
     let (_folder, file, out) = place(&format!("{display}{STUDIES}"));
     for (command, old) in [("sweep", "every_bin"), ("optimize", "every_bin"), ("tolerance", "coated")] {
-        let output = papilio(&[command, &file, "--out", &format!("{out}-{command}")]);
+        let output = papilio(&[command, &file, "--json", "--out", &format!("{out}-{command}")]);
         let text = stderr(&output);
         assert!(output.status.success(), "{command}: {text}");
+        assert_notes_are_written(command, &output, old);
         let notes = text.lines().filter(|line| line.starts_with("note: ") && line.contains(old)).count();
         assert_eq!(notes, 1, "{command}: {text}");
+    }
+}
+
+/// The JSON of a command has the notes that it prints, of which one is about `what`.
+fn assert_notes_are_written(command: &str, output: &Output, what: &str) {
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let written: Vec<&str> =
+        json["notes"].as_array().unwrap().iter().map(|note| note.as_str().unwrap()).collect();
+    let printed = stderr(output);
+    assert!(written.iter().any(|note| note.contains(what)), "{command}: {written:?}");
+    assert!(written.iter().all(|note| printed.contains(&format!("note: {note}"))), "{command}: {printed}");
+}
+
+#[test]
+fn json_of_other_commands_has_their_notes() {
+    let (_, display) = OLD.split_once("[display.pixel]").unwrap();
+    let text =
+        format!("[solver]\nevery_bin = true\n[display.pixel]{display}[display.glass]\nthickness_mm = 0.5\n");
+    let (_folder, file, _) = place(&text);
+    for command in ["run", "gloss", "palette", "pixel", "mtf"] {
+        let output = papilio(&[command, &file, "--json", "--set", "spectrum.step_nm=20"]);
+        assert!(output.status.success(), "{command}: {}", stderr(&output));
+        assert_notes_are_written(command, &output, "every_bin");
     }
 }

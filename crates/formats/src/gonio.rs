@@ -33,6 +33,8 @@ pub struct SurfaceAuditFile<'a> {
     pub title: &'a str,
     /// SHA-256 of the file and the bytes of its maps.
     pub hash: &'a str,
+    /// Notes on how the file was interpreted.
+    pub notes: &'a [String],
     /// Refractive index above.
     pub index_above: f64,
     /// Refractive index below.
@@ -334,6 +336,7 @@ impl<'a> SurfaceAuditFile<'a> {
     /// The file of a measurement by an instrument.
     pub fn new(
         [papilio, title, hash]: [&'a str; 3],
+        notes: &'a [String],
         goniometer: &Goniometer,
         Findings { rays, waves, statistics }: &'a Findings,
     ) -> Self {
@@ -343,6 +346,7 @@ impl<'a> SurfaceAuditFile<'a> {
             papilio,
             title,
             hash,
+            notes,
             index_above: goniometer.index_above,
             index_below: goniometer.index_below,
             seed: goniometer.seed,

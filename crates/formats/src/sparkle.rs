@@ -17,6 +17,8 @@ pub struct SparkleFile<'a> {
     pub hash: &'a str,
     /// Seed of the faces.
     pub seed: u64,
+    /// Notes on how the scenario was interpreted, and on the computation.
+    pub notes: &'a [String],
     /// The result.
     #[serde(flatten)]
     pub result: &'a SparkleResult,

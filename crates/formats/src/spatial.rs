@@ -16,6 +16,8 @@ pub struct SpatialFile<'a, R> {
     pub hash: &'a str,
     /// The scenario with its defaults filled in.
     pub scenario: &'a serde_json::Value,
+    /// Notes on how the scenario was interpreted, and on the computation.
+    pub notes: &'a [String],
     /// The result.
     #[serde(flatten)]
     pub result: &'a R,
@@ -30,6 +32,8 @@ pub struct TitledFile<'a, R> {
     pub title: &'a str,
     /// SHA-256 of the scenario and the bytes of its files, a picture included.
     pub hash: &'a str,
+    /// Notes on how the scenario was interpreted, and on the computation.
+    pub notes: &'a [String],
     /// The result.
     #[serde(flatten)]
     pub result: &'a R,

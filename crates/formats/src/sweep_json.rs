@@ -13,6 +13,7 @@ use crate::sweep::{SweepHead, SweepPoint};
 struct Whole<'a> {
     #[serde(flatten)]
     head: &'a SweepHead,
+    notes: &'a [String],
     points: Vec<Point<'a>>,
 }
 
@@ -27,11 +28,16 @@ struct Point<'a> {
     rows: Vec<Map<String, Value>>,
 }
 
-/// Writes a sweep as JSON. `points` holds all points in order.
+/// Writes a sweep as JSON, with the notes on its scenario. `points` holds all points in order.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_sweep_json(out: impl Write, head: &SweepHead, points: &[&SweepPoint]) -> io::Result<()> {
+pub fn write_sweep_json(
+    out: impl Write,
+    head: &SweepHead,
+    notes: &[String],
+    points: &[&SweepPoint],
+) -> io::Result<()> {
     let points = points.iter().enumerate().map(|(number, point)| Point {
         point: number,
         hash: &point.hash,
@@ -39,7 +45,7 @@ pub fn write_sweep_json(out: impl Write, head: &SweepHead, points: &[&SweepPoint
         warnings: &point.warnings,
         rows: point.rows.iter().map(|row| named(&point.columns, row)).collect(),
     });
-    write_json(out, &Whole { head, points: points.collect() })
+    write_json(out, &Whole { head, notes, points: points.collect() })
 }
 
 fn named(columns: &[String], row: &[String]) -> Map<String, Value> {
@@ -65,8 +71,9 @@ mod tests {
         points[1].rows[0][1].clear();
         let refs: Vec<&SweepPoint> = points.iter().collect();
         let mut text = Vec::new();
-        write_sweep_json(&mut text, &head(), &refs).unwrap();
+        write_sweep_json(&mut text, &head(), &["a note".to_owned()], &refs).unwrap();
         let read: Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(read["notes"][0], "a note");
         assert_eq!(read["axes"][1]["keys"][0], "b");
         assert_eq!(read["points"][4]["swept"]["b"], 0.2);
         assert_eq!(read["points"][0]["rows"][1]["state"], "black");

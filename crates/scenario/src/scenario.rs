@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use papilio_colour::ColourError;
 use papilio_diagnostics::Diagnostic;
-use papilio_display::DisplayError;
 use papilio_display::image::SourceImage;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{Antiglare, Patterns};
+use papilio_display::{DisplayError, note_of_places};
 use papilio_formats::{DataFile, FormatError, LARGEST_PICTURE_FILE, Problem, picture_format};
 use serde_json::{Map, Value, json};
 
@@ -327,6 +327,11 @@ impl Resolved {
     /// Inserts the warnings of the scenario before those of its result: a result that is written has all of them.
     pub fn warn_before(&self, of_result: &mut Vec<String>) {
         of_result.splice(0..0, self.warnings.iter().cloned());
+    }
+
+    /// The notes, with that on results that depend on places.
+    pub fn notes_of_places(&self) -> Vec<String> {
+        self.notes.iter().cloned().chain(note_of_places(&self.scene)).collect()
     }
 
     /// Converts an error of the scene to one of the scenario, with its place in the text; `None` if no key

@@ -303,7 +303,8 @@ fn written(
 ) -> Result<Gonio, Fault> {
     let goniometer = &surface.measurement.goniometer;
     let title = surface.title.as_deref().unwrap_or_default();
-    let audit = SurfaceAuditFile::new([env!("CARGO_PKG_VERSION"), title, &surface.hash], goniometer, found);
+    let head = [env!("CARGO_PKG_VERSION"), title, &surface.hash];
+    let audit = SurfaceAuditFile::new(head, &surface.notes, goniometer, found);
     let audit = serde_json::to_value(audit);
     let Value::Object(fields) = surface.canonical.clone() else {
         return Err(Fault::internal("the surface cannot be serialised"));

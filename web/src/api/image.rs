@@ -494,7 +494,8 @@ fn file(
         "seen.png" => ("image/png", bytes(|out| write_rgb_png(out, columns, &found.on_screen, false))?),
         "image.json" => {
             let papilio = env!("CARGO_PKG_VERSION");
-            let file = TitledFile { papilio, title, hash: &resolved.hash, result: &found.numbers };
+            let (hash, notes) = (&resolved.hash, &resolved.notes_of_places());
+            let file = TitledFile { papilio, title, hash, notes, result: &found.numbers };
             ("application/json", bytes(|out| write_json(out, &file))?)
         }
         _ => {

@@ -18,6 +18,8 @@ pub struct SearchReport {
     pub title: String,
     /// SHA-256 of all inputs of the search.
     pub search: String,
+    /// Notes on how the scenario was interpreted.
+    pub notes: Vec<String>,
     /// Number of evaluated designs.
     pub evaluations: usize,
     /// Names of the objectives.
@@ -67,6 +69,7 @@ impl SearchReport {
             papilio: env!("CARGO_PKG_VERSION").to_owned(),
             title: title.to_owned(),
             search: search.spec().hash.clone(),
+            notes: search.spec().notes.clone(),
             evaluations: results.iter().map(|one| one.evaluations).sum(),
             objectives: search.spec().objectives.iter().map(|one| one.name.clone()).collect(),
             scenario: OwnDesign { set: settings(search, own), quantities: quantities(search, own_values) },

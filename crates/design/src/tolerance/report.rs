@@ -21,6 +21,8 @@ pub struct Report {
     pub samples: usize,
     /// Number of rows from which sensitivities are computed.
     pub sensitivity_samples: usize,
+    /// Notes on how the scenario was interpreted.
+    pub notes: Vec<String>,
     /// Varied keys, in groups of correlated ones.
     pub groups: Vec<Vec<String>>,
     /// Results of each metric.
@@ -122,6 +124,7 @@ impl Report {
         Self {
             samples: rows.len(),
             sensitivity_samples: sensitivity_rows.len(),
+            notes: tolerance.notes.clone(),
             groups: groups.iter().map(|group| group.iter().map(name).collect()).collect(),
             limits: tolerance
                 .limits
