@@ -156,6 +156,10 @@ impl Fault {
     pub(crate) fn of(resolved: &Resolved, error: DisplayError) -> Self {
         // Adding alone refuses it.
         let for_monte_carlo = matches!(error, DisplayError::Azimuth { key: "solver.method", .. });
+        if matches!(error, DisplayError::TooNarrow { .. } | DisplayError::TooNarrowInField { .. }) {
+            // A limit of the page.
+            return error.into();
+        }
         let fault: Self = resolved.located(&error).map_or_else(|| error.into(), Self::from);
         if for_monte_carlo { fault.for_monte_carlo() } else { fault }
     }

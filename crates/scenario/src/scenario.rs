@@ -548,12 +548,153 @@ impl Resolved {
                 let hint = "remove the filter, or describe it as a layer without pattern, with `internal_transmittance`";
                 ("display.matrix.filter", wrong.hint(hint).into())
             }
-            _ => return None,
+            DisplayError::TooThin { length_mm, least_mm } => {
+                source = self.key_of_length(*length_mm);
+                let wrong = Diagnostic::new(format!(
+                    "a length of {length_mm:e} mm above the pixels is too small for the places of light"
+                ));
+                (&source, wrong.expected(format!("0 or at least {least_mm:e} mm")).into())
+            }
+            DisplayError::CrystalFringes => {
+                let wrong = Diagnostic::new(
+                    "the layers of this pixel have more interference fringes over angle than can be tabulated",
+                )
+                .expected("coherent layers of at most about 0.05 mm")
+                .hint("describe a thick pane as kind = \"slab\"");
+                ("display.pixel", wrong.into())
+            }
+            DisplayError::NoWhite { what } => {
+                let wrong = Diagnostic::new(format!("the light has no white: {what} is not defined"))
+                    .expected("light with X, Y and Z above 0");
+                ("lighting", wrong.into())
+            }
+            DisplayError::TooNarrow { what, number, nodes, most } => {
+                let wrong = Diagnostic::new(format!(
+                    "{what} (scatterer {number} from the top) is too narrow for adding within these layers: it needs {nodes} directions"
+                ))
+                .expected(format!("at most {most} directions: the work of adding grows faster than their cube"))
+                .hint(MONTE_CARLO);
+                let keys = ["display.diffuser", "display.layers"];
+                let written = keys.into_iter().find(|key| self.written.root.at(key).is_some());
+                (written.unwrap_or("display"), wrong.into())
+            }
+            DisplayError::TooNarrowInField { width, least, light } => {
+                let wrong = Diagnostic::new(format!(
+                    "the diffuser of width {width:.1e} is too narrow for adding in light that {light}: it would take hours"
+                ))
+                .expected(format!("a width of at least {least} (`width` or `haze`)"))
+                .hint(MONTE_CARLO);
+                let keys = ["display.diffuser.width", "display.diffuser.haze"];
+                let written = keys.into_iter().find(|key| self.written.root.at(key).is_some());
+                (written.unwrap_or("display.diffuser"), wrong.into())
+            }
+            DisplayError::BelowHorizon { what, theta_deg, index } => {
+                let wrong = Diagnostic::new(format!(
+                    "a {what} at {theta_deg} deg in a medium of index {index} is below the display's horizon in air"
+                ))
+                .expected("all of its cone above the horizon");
+                let key = match *what {
+                    "view" => "viewer.theta_deg",
+                    "light" => "lighting",
+                    // A meter, which is not in the scenario.
+                    _ => return None,
+                };
+                (key, wrong.into())
+            }
+            // Their messages say all.
+            error => (located_key(error)?, Diagnostic::new(error.to_string()).into()),
         };
         let mut errors = Errors::default();
         errors.push(self.written.root.place_of(key), wrong);
         errors.check(&self.written.sources).err()
     }
+
+    /// The path of a thickness above the pixels that has this value; `display` if none is written so.
+    fn key_of_length(&self, mm: f64) -> String {
+        let display = self.canonical.get("display").unwrap_or(&Value::Null);
+        thickness_path(display, mm).map_or_else(|| "display".to_owned(), |path| format!("display{path}"))
+    }
+}
+
+/// The hint where adding refuses a narrow scatterer.
+const MONTE_CARLO: &str =
+    "use the Monte Carlo solver: method = \"monte-carlo\" in [solver], or --solver monte-carlo";
+
+/// The path of a `thickness_mm` with this value, from `.` on.
+fn thickness_path(value: &Value, mm: f64) -> Option<String> {
+    let inside = |(key, value): (&str, &Value)| {
+        if key == "thickness_mm" && value.as_f64() == Some(mm) {
+            return Some(format!(".{key}"));
+        }
+        thickness_path(value, mm).map(|path| format!(".{key}{path}"))
+    };
+    match value {
+        Value::Object(keys) => keys.iter().map(|(key, value)| (key.as_str(), value)).find_map(inside),
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(number, item)| inside((&number.to_string(), item)))
+        }
+        _ => None,
+    }
+}
+
+/// The key that causes an error without a message of its own in a scenario; `None`: no key does. Not `_`: each new error is decided on.
+fn located_key(error: &DisplayError) -> Option<&'static str> {
+    use DisplayError as E;
+    Some(match error {
+        E::DispersiveGlassAngles => "solver.angle_medium",
+        E::ApproximatesNoPanel => "solver.approximation",
+        E::NoPaths => "solver.paths",
+        E::NotByAdding => "solver.method",
+        E::NotAFilm => "display.pixel.model",
+        E::NoDarkGap { .. } => "display.pixel.gap_nm",
+        E::SparkleAboveScatterer { .. } => "display.layers",
+        E::Sparkle(_) => "sparkle",
+        E::Film(_) | E::Places(_) => "display",
+        E::Colour(_) => "lighting",
+        E::Imaging(_) => "image",
+        E::NoPixelPitch | E::NoHalftone => "image.halftone",
+        // Of a command's own options and tables, of a caller of the library, or of the machine.
+        E::UnknownReference { .. }
+        | E::RowsTooUncertain { .. }
+        | E::Threads { .. }
+        | E::Interrupted
+        | E::OtherStates
+        | E::NoSuchQuantity { .. }
+        | E::NoSuchParameter { .. }
+        | E::PictureSize { .. }
+        | E::GivenStates { .. }
+        | E::Regions { .. }
+        // Any value may be too small or too large.
+        | E::NotFinite => return None,
+        // Those that `located` describes.
+        E::ApertureInDirectedLight
+        | E::Polarised { .. }
+        | E::TooClose { .. }
+        | E::Fringes { .. }
+        | E::Surface { .. }
+        | E::FilterWithoutPlace
+        | E::Azimuth { .. }
+        | E::CrystalFringes
+        | E::NoPlaces { .. }
+        | E::NoRefraction
+        | E::TooManySamples { .. }
+        | E::TooManyCells { .. }
+        | E::PlacesNotComputed { .. }
+        | E::TooThin { .. }
+        | E::TooThick { .. }
+        | E::PlacesByPaths { .. }
+        | E::MissingLength { .. }
+        | E::NoMatrix { .. }
+        | E::SparkleOfPoint { .. }
+        | E::ScanOfScattering
+        | E::AbsorptionWithoutFilm
+        | E::TooNarrow { .. }
+        | E::TooNarrowInField { .. }
+        | E::OneView { .. }
+        | E::NoWhite { .. }
+        | E::NoNeutral { .. }
+        | E::BelowHorizon { .. } => return None,
+    })
 }
 
 impl Resolved {

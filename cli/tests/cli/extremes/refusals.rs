@@ -65,7 +65,7 @@ fn what_would_take_hours_is_refused_with_its_key() {
             "run",
             "scenarios/map.toml",
             &["display.diffuser.haze=1e-4"][..],
-            &["`width` or `haze` of display.diffuser", "depends on azimuth", "monte-carlo"][..],
+            &["--set #1:1:23", "at least 0.0002 (`width` or `haze`)", "depends on azimuth", "monte-carlo"][..],
         ),
         (
             "gonio",

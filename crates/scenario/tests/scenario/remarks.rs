@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::{GOOD, changed, resolve};
+use papilio_display::DisplayError;
 use papilio_spectra::illuminant_names;
 
 /// Returns the warnings of `GOOD` with these keys, on the default range.
@@ -314,6 +315,39 @@ fn unbounded_lobes_are_warned_of() {
     let of_reflection = said(&[reflecting, "viewer.theta_deg=85"]);
     assert!(of_reflection.iter().all(|warning| warning.starts_with("display.diffuser.reflection")));
     assert!(said(&[reflecting, paper, front]).is_empty(), "{:?}", said(&[reflecting, paper, front]));
+}
+
+/// Errors of a computation that a value of the scenario causes are shown at its line.
+#[test]
+fn errors_of_a_computation_have_the_place_of_their_cause() {
+    let text = changed(&[("index = 1.5\n", "index = 1.5\nthickness_mm = 1e-15\n")]);
+    let resolved = resolve(&text, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let line = |wanted: &str| 1 + text.lines().position(|line| line.contains(wanted)).unwrap();
+    let too_thin = DisplayError::TooThin { length_mm: 1e-15, least_mm: 1e-12 };
+    let narrow =
+        DisplayError::TooNarrow { what: "the diffuser".to_owned(), number: 1, nodes: 900, most: 700 };
+    let in_light = DisplayError::TooNarrowInField { width: 1e-6, least: 1e-4, light: "is directed" };
+    let below = |what| DisplayError::BelowHorizon { what, theta_deg: 80.0, index: 1.5 };
+    for (error, wanted, key) in [
+        (too_thin, "1e-15", "display.glass.thickness_mm"),
+        (DisplayError::CrystalFringes, "[display.pixel]", "display.pixel"),
+        (DisplayError::NoWhite { what: "a palette" }, "[lighting]", "lighting"),
+        (narrow, "[display.diffuser]", "display.diffuser"),
+        (in_light, "haze", "display.diffuser.haze"),
+        (below("view"), "theta_deg = 8", "viewer.theta_deg"),
+        (below("light"), "[lighting]", "lighting"),
+        (DisplayError::NotAFilm, "model = \"film\"", "display.pixel.model"),
+        (DisplayError::NoDarkGap { state: "white".to_owned() }, "gap_nm", "display.pixel.gap_nm"),
+    ] {
+        let located = resolved.located(&error).unwrap_or_else(|| panic!("{error} has no place"));
+        let one = located.iter().next().unwrap();
+        assert_eq!(one.place.line_column().map(|(line, _)| line), Some(line(wanted)), "{located}");
+        assert_eq!(one.path.as_deref(), Some(key), "{located}");
+    }
+    // No value of the scenario causes these.
+    for error in [below("receptor"), DisplayError::Threads { threads: 9 }, DisplayError::NotFinite] {
+        assert!(resolved.located(&error).is_none(), "{error}");
+    }
 }
 
 /// Films that are too thick to tabulate are refused at their key, or at the `--set`.
