@@ -135,11 +135,13 @@ impl FractionBar {
     /// Shows a fraction, unless more was shown before, and words.
     pub(crate) fn advance(&self, fraction: f64, words: String) {
         let fraction = self.fraction.advance(fraction);
-        self.judged.judge(fraction, self.started.elapsed(), between_lines().min(JUDGED_AFTER));
         self.bar.set_position((POSITIONS as f64 * fraction) as u64);
         let elapsed = self.started.elapsed();
         let known = || if elapsed < KNOWN_WITHIN { fraction } else { 0.0 };
         let done = fraction - self.first.get_or_init(known);
+        // Of what was not known before, which alone takes time.
+        let of_new = done / (done + 1.0 - fraction);
+        self.judged.judge(of_new, elapsed, between_lines().min(JUDGED_AFTER));
         let is_known = elapsed >= ESTIMATED_AFTER.0 && done >= ESTIMATED_AFTER.1;
         let left = if is_known { time_left(elapsed, done, 1.0 - fraction) } else { String::new() };
         let parts = [words, left].into_iter().filter(|part| !part.is_empty());

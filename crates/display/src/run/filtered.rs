@@ -6,7 +6,7 @@ use papilio_transport::walk::places::Estimate as PlacedEstimate;
 
 use super::adding::run_levels;
 use super::rounds::paths_for_a_tenth;
-use super::{Control, REPLICATES, Round, Run, each_view, missed, until};
+use super::{Control, REPLICATES, Round, Run, each_view, missed, paths_from_round, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
 use crate::meter::{LeastErrors, Sample};
@@ -76,9 +76,9 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
                 rho.truncate(setup.sources.len());
                 run.meter.sample(&by_reciprocity(rho))
             };
-            let all = placed.traced() - before + paths;
+            let left = paths_from_round(&solver.stop, paths, 1);
             let estimates =
-                placed.with_share([before, all], control, |control| placed.filtered(view, paths, control))?;
+                placed.with_share(before, left, control, |control| placed.filtered(view, paths, control))?;
             let samples: Vec<Sample> = estimates.into_iter().map(of).collect();
             let error = run.meter.standard_error(&samples, per_wavelength);
             let missed = match &solver.stop {

@@ -33,7 +33,7 @@ pub use progress::{Progress, ProgressFraction};
 pub use refine::adding_seconds;
 pub(crate) use refine::{Refined, finest, largest, level_error, refine_or_fail};
 pub use rounds::REPLICATES;
-pub(crate) use rounds::{PILOT, Round, missed, until};
+pub(crate) use rounds::{PILOT, Round, missed, paths_from_round, until};
 pub use saved::{SavedRows, Unsaved};
 pub use study::{Cost, StudyCurve, StudyPoint, cost, study};
 pub use viewers::{brdf_at_viewers, brdf_at_viewers_resumed};

@@ -64,7 +64,9 @@ impl Progress<'_> {
         let (done, all) = self.views_done;
         let of_view = match (self.share_of_view, self.target, self.relative_error) {
             (Some(share), ..) => share,
-            (None, Some(target), Some(error)) => target / error,
+            // Levels of adding, whose errors fall at least with the square of their work: two diffusers have done 0.28 of it where
+            // this is 0.18, and 0.64 where it is 0.42. Paths state their part of the work.
+            (None, Some(target), Some(error)) => (target / error).sqrt(),
             _ => 0.0,
         };
         // A complete view is already counted.
@@ -116,7 +118,7 @@ mod tests {
         assert_eq!(half.within([0.5, 1.0]).fraction(), 0.875);
         // Parts of parts.
         assert_eq!(half.within([0.0, 0.5]).within([0.5, 1.0]).fraction(), 0.6875);
-        assert_eq!(Progress::of_views(0, 1).with_error(0.02, 0.01).fraction(), 0.5);
+        assert_eq!(Progress::of_views(0, 1).with_error(0.04, 0.01).fraction(), 0.5);
         // A view that is done is counted once.
         assert_eq!(Progress::of_views(1, 2).with_error(0.005, 0.01).fraction(), 0.5);
         assert_eq!([0, 1, 2].map(part_of_pass), [[0.0, 0.5], [0.5, 0.75], [0.75, 0.875]]);

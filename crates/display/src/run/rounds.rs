@@ -17,6 +17,16 @@ pub const REPLICATES: u64 = 32;
 pub(crate) const PILOT: u64 = 1 << 13;
 const FEWEST: u64 = 1 << 15;
 
+/// Number of paths from the begin of a round of [`until`] on, if each of its paths is traced in several `passes`; `None` for the pilot
+/// of a target, from which the number follows. A pilot of [`Stop::Paths`] has one pass.
+pub(crate) fn paths_from_round(stop: &Stop, paths: u64, passes: u64) -> Option<u64> {
+    match stop {
+        Stop::Paths(wanted) if paths != *wanted => Some(paths + passes * wanted),
+        Stop::RelativeError { .. } | Stop::Target(_) if paths == PILOT => None,
+        _ => Some(passes * paths),
+    }
+}
+
 /// What a number of paths has found.
 pub(crate) struct Round<T> {
     pub(crate) found: T,
@@ -226,6 +236,15 @@ mod tests {
         assert_eq!(rounds(&Stop::Paths(5000), |_| 0.0), [5000]);
         // No target is met with more paths than these.
         assert_eq!(rounds(&target(1e-9), |_| 0.0), [1 << 13, 1 << 26]);
+    }
+
+    /// A pilot is no part of the work whose end is known: it is small, however many paths its target needs.
+    #[test]
+    fn paths_from_the_pilot_of_a_target_on_are_unknown() {
+        let target = Stop::RelativeError { target: 1e-3, per_wavelength: false };
+        assert_eq!([PILOT, 1 << 20].map(|paths| paths_from_round(&target, paths, 4)), [None, Some(4 << 20)]);
+        let paths = |paths| paths_from_round(&Stop::Paths(1 << 20), paths, 4);
+        assert_eq!([PILOT, 1 << 20].map(paths), [Some(PILOT + (4 << 20)), Some(4 << 20)]);
     }
 
     #[test]

@@ -303,16 +303,18 @@ impl<'a> Placed<'a> {
         self.stack.base().bins()
     }
 
-    /// Calls `trace` with a control that reports how many of `all` paths are traced, from `before` traced ones
-    /// on.
+    /// Calls `trace` with a control that reports the fraction of a view's paths that are traced: of those since `before`, and of
+    /// `left`, the number from now on. None are reported while that is not known.
     pub(crate) fn with_share<T>(
         &self,
-        [before, all]: [u64; 2],
+        before: u64,
+        left: Option<u64>,
         control: &Control<'_>,
         trace: impl FnOnce(&Control<'_>) -> T,
     ) -> T {
+        let all = left.map(|left| (self.traced() - before + left) as f64);
         let progress = |now: Progress<'_>| {
-            let share = (self.traced() - before) as f64 / all as f64;
+            let share = all.map_or(0.0, |all| (self.traced() - before) as f64 / all);
             (control.progress)(Progress { share_of_view: Some(share.min(1.0)), ..now });
         };
         trace(&Control { progress: &progress, ..*control })

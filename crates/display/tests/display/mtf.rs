@@ -1,10 +1,11 @@
 //! Sharpness: known modulation transfers and patterns, laws, and what is refused.
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle};
-use papilio_display::{Control, DisplayError};
+use papilio_display::{Control, DisplayError, Progress, ProgressFraction};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::common;
@@ -474,5 +475,27 @@ fn stripes_of_films_in_a_wide_field_are_those_of_paths() {
         let (off, allowed) = (exact.mean_Y - found.mean_Y, 4.5 * found.error + exact.error);
         assert!(off.abs() < allowed, "{exact:?} {found:?}");
         assert!(found.error < 3e-3 * found.mean_Y, "{found:?}");
+    }
+}
+
+/// The progress of paths through several views is the part of all paths that is traced: the pilot of a view, whose target needs many
+/// times its paths, is none of it.
+#[test]
+fn progress_of_views_by_paths_is_their_part_of_all_paths() {
+    let views = "[viewer]\ntheta_deg = [-20, 20]\nfield_deg = 0\n";
+    let solver = "[solver]\nmethod = \"monte-carlo\"\nrelative_error = 0.02\n";
+    let resolved = resolved(&[LOBE, &glass("coated", 0.5), MIRROR, DIFFUSE, views, solver]);
+    let (reports, shown) = (Mutex::new(Vec::new()), ProgressFraction::default());
+    let progress = |now: Progress<'_>| {
+        let fraction = shown.advance(now.fraction());
+        now.paths.into_iter().for_each(|paths| reports.lock().unwrap().push((paths, fraction)));
+    };
+    let control = Control { threads: Some(1), progress: &progress, stop: &AtomicBool::new(false) };
+    mtf(&resolved.scene, &resolved.patterns, &control).unwrap();
+    let reports = reports.into_inner().unwrap();
+    let all = reports.iter().map(|(paths, _)| *paths).max().unwrap() as f64;
+    for (paths, fraction) in &reports {
+        let traced = *paths as f64 / all;
+        assert!((-0.15..0.02).contains(&(fraction - traced)), "{fraction} of {traced}");
     }
 }

@@ -20,7 +20,7 @@ use super::surfaces::Surfaces;
 use super::{BLACK, Colour, CrosstalkView, Figure, PAGE, largest_error, page, state};
 use crate::DisplayError;
 use crate::meter::{PRIMARIES, jackknife};
-use crate::run::{Control, Round, each_view, missed, until};
+use crate::run::{Control, Round, each_view, missed, paths_from_round, until};
 use crate::scene::Matrix;
 use crate::setup::{Setup, ViewPoint};
 
@@ -111,9 +111,9 @@ impl<'a> Scenes<'a> {
         let stop = &self.setup.scene.solver.stop;
         let passes = 1 + u64::from(self.has_filter);
         let (found, _) = until(stop, MOST_PATHS, |paths| {
-            let all = self.panel.traced() - before + passes * paths;
+            let left = paths_from_round(stop, paths, passes);
             let found =
-                self.panel.with_share([before, all], control, |control| self.found(view, paths, control));
+                self.panel.with_share(before, left, control, |control| self.found(view, paths, control));
             let (found, others) = found?;
             let means = self.luminous_means(&found, &others);
             let found = assembled(self.setup, view, &found, &others.iter().collect::<Vec<_>>());

@@ -24,7 +24,7 @@ use super::{Curves, Kernel, LineContrast, MtfState, MtfView, PatternKind, Patter
 use crate::DisplayError;
 use crate::meter::jackknife;
 use crate::result::Named;
-use crate::run::{Control, PILOT, Round, missed, until};
+use crate::run::{Control, PILOT, Round, missed, paths_from_round, until};
 use crate::scene::Stop;
 use crate::setup::ViewPoint;
 use fixed::Fixed;
@@ -88,20 +88,21 @@ pub(super) fn view(
     let mut half_mm = 0.0;
     let mut round = |paths: u64| {
         let grid = Grid::new(frame, panel, view, half_mm);
-        let all = panel.traced() - before + passes * paths;
+        let left = paths_from_round(stop, paths, passes);
         let estimates =
-            panel.with_share([before, all], control, |control| grid.kernels(panel, view, paths, control))?;
+            panel.with_share(before, left, control, |control| grid.kernels(panel, view, paths, control))?;
         let found = left_out(&grid, frame, panel, &estimates, &[], None);
         let r90 = found[0].scalars.iter().filter_map(|state| state.r90_um);
         half_mm = r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max);
         let (missed, means) = (missed(stop, largest_error(frame, &found))?, luminous_means(frame, &found));
-        Ok(Round { found: (grid, estimates, all), missed, means })
+        Ok(Round { found: (grid, estimates), missed, means })
     };
     if let Stop::Paths(_) = stop {
         round(PILOT)?;
     }
-    let ((grid, estimates, all), paths) = until(stop, MOST_PATHS, round)?;
-    let (images, patterns) = panel.with_share([before, all], control, |control| {
+    let ((grid, estimates), paths) = until(stop, MOST_PATHS, round)?;
+    let left = (passes - 1) * paths;
+    let (images, patterns) = panel.with_share(before, Some(left), control, |control| {
         let images = match &fixed {
             Some(fixed) => panel.trace_states(view, States::Pattern(fixed), paths, control)?,
             None => Vec::new(),
