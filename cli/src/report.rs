@@ -84,7 +84,7 @@ pub(crate) fn cone(cone: &ConeResult, seconds: f64) -> String {
     format!("cone: {thetas} x {phis} directions, discretisation error {error}, {seconds:.2} s\n")
 }
 
-/// Incidences in the table of a BSDF.
+/// Incidences in the table of a BSDF; the nearest ones of the grid are shown.
 const SHOWN_INCIDENCES_DEG: [f64; 4] = [0.0, 30.0, 45.0, 60.0];
 
 /// Wavelength of the table of a BSDF; the nearest one of the grid is used.
@@ -98,12 +98,14 @@ pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
         .min_by(|a, b| distance(&table.wavelength_nm[*a]).total_cmp(&distance(&table.wavelength_nm[*b])));
     let Some(bin) = nearest else { return format!("{}\n", plain(title)) };
     let incidences = &table.grid.theta_i_deg;
-    let shown: Vec<usize> = SHOWN_INCIDENCES_DEG
-        .iter()
-        .filter_map(|deg| incidences.iter().position(|theta| (theta - deg).abs() < 1e-9))
-        .collect();
+    let nearest = |deg: &f64| {
+        let away = |at: &usize| (incidences[*at] - deg).abs();
+        (0..incidences.len()).min_by(|a, b| away(a).total_cmp(&away(b)))
+    };
+    let mut shown: Vec<usize> = SHOWN_INCIDENCES_DEG.iter().filter_map(nearest).collect();
+    shown.dedup();
     let mut rows = vec![vec!["state".to_owned()]];
-    rows[0].extend(shown.iter().map(|i| format!("{} deg", incidences[*i])));
+    rows[0].extend(shown.iter().map(|i| format!("{} deg", (10.0 * incidences[*i]).round() / 10.0)));
     for state in &table.states {
         let cells = shown.iter().map(|i| {
             let cell =

@@ -47,10 +47,12 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     let mut overrides = arguments.set.clone();
     overrides.extend(arguments.axis.iter().map(|axis| Sweep::axis_override(axis)));
     if !arguments.metrics.is_empty() {
-        overrides.push(format!("sweep.metrics={:?}", arguments.metrics));
+        // Without axes, nothing of them is stated.
+        input::scenario::<Sweep>(&arguments.file, &overrides)?;
+        overrides.push(format!("--metrics sweep.metrics={:?}", arguments.metrics));
         // The figures of the file may be of other metrics.
         if !arguments.set.iter().any(|set| set.starts_with("sweep.figures")) {
-            overrides.push(format!("sweep.figures={:?}", arguments.metrics));
+            overrides.push(format!("--metrics sweep.figures={:?}", arguments.metrics));
         }
     }
     let mut sweep = input::scenario::<Sweep>(&arguments.file, &overrides)?;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{names, papilio_command as papilio, scenario, stderr};
+use crate::common::{names, papilio_command as papilio, scenario, stderr, stdout};
 
 /// Few wavelengths and directions.
 const QUICK: [&str; 4] = ["--set", "spectrum.step_nm=50", "--step", "45"];
@@ -73,6 +73,12 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
 fn klems_has_a_matrix_for_each_state() {
     let folder = tempfile::tempdir().unwrap();
     let output = brdf("epaper", folder.path(), &["--format", "klems", "--states", "white"]);
+    let said = stdout(&output);
+    let head = said.lines().skip_while(|line| !line.ends_with("by incidence")).nth(1);
+    assert!(
+        head.is_some_and(|head| head.trim_start().starts_with("state") && head.matches(" deg").count() == 4),
+        "{said}"
+    );
     assert!(output.status.success(), "{}", stderr(&output));
     let files = ["about.json", "display-mirror.csv", "display-white.xml", "reflection.csv"];
     assert_eq!(names(folder.path()), files);

@@ -535,6 +535,7 @@ fn wrong_axes_of_the_command_line_are_named() {
         ("--axis", "viewer.theta_deg=0,,20", "--axis #1", "a value is missing here"),
         ("--axis", "viewer.theta_dg=0,20", "--axis #1:1:1", "theta_deg"),
         ("--axis", "viewer.theta_deg=0,95", "--axis #1:1:20", "95"),
+        ("--metrics", "white.Q", "--metrics:1:16", "white.Q"),
         ("--set", raw, "--set #1:1", "--axis KEY=190:194:1"),
         ("--set", steps, "--set #1:1", "`count` is the number of values"),
     ] {

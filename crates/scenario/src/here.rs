@@ -65,6 +65,20 @@ fn from_folder(text: &str, key: &str, folder: &Path) -> Option<String> {
     Some(relative.display().to_string()).filter(|relative| relative != text)
 }
 
+/// Returns the path of a file as a user in the current folder would write it: errors state it, and editors find it.
+pub(crate) fn path_from_here(path: &Path) -> String {
+    let relative = relative_path(Path::new(""), path).filter(|relative| {
+        let is_near = path.is_relative() || !relative.starts_with("..");
+        // A link among the folders can lead elsewhere.
+        is_near && relative.canonicalize().ok() == path.canonicalize().ok()
+    });
+    let absolute = || {
+        let plain: PathBuf = without_parents(path).into_iter().collect();
+        if plain.canonicalize().ok() == path.canonicalize().ok() { plain } else { path.to_owned() }
+    };
+    relative.unwrap_or_else(absolute).display().to_string()
+}
+
 /// Returns the relative path from one folder to another; an empty path is the current folder.
 pub fn relative_path(from: &Path, to: &Path) -> Option<PathBuf> {
     let absolute =
@@ -104,6 +118,16 @@ mod tests {
         assert_eq!(from_folder(file, "title", scenarios), None, "a title");
         assert_eq!(from_folder("data/H78.bsdf", "file", scenarios), None, "not in the current folder");
         assert_eq!(from_folder("src", "file", scenarios), None, "a folder");
+    }
+
+    #[test]
+    fn path_of_a_file_is_stated_from_the_current_folder() {
+        let shown = |path: &str| path_from_here(Path::new(path));
+        assert_eq!(shown("../scenario/src/here.rs"), "src/here.rs");
+        assert_eq!(shown("../../scenarios/epaper.toml"), "../../scenarios/epaper.toml");
+        let here = std::path::absolute("src/here.rs").unwrap();
+        assert_eq!(shown(here.to_str().unwrap()), "src/here.rs");
+        assert_eq!(shown("/usr/../no/such.csv"), "/no/such.csv");
     }
 
     #[test]

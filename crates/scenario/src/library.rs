@@ -8,7 +8,7 @@ use papilio_diagnostics::{Diagnostic, Place, suggestion};
 use papilio_formats::{DataFile, FormatError, open_input};
 use sha2::{Digest, Sha256};
 
-use crate::here::relative_path;
+use crate::here::{path_from_here, relative_path};
 use crate::memo::ResolveCache;
 
 /// The files that a scenario may name.
@@ -73,7 +73,8 @@ impl Library {
         match self {
             Self::Both { files, .. } if files.contains_key(name) => kept_within(&files[name], name, limit),
             Self::Folder(folder) | Self::Both { folder, .. } => {
-                open_input(&folder.join(name), name, limit).map(MemoryFile::new).map_err(Missing::Unread)
+                let path = folder.join(name);
+                open_input(&path, &path_from_here(&path), limit).map(MemoryFile::new).map_err(Missing::Unread)
             }
             Self::Memory { files, .. } => match files.get(name) {
                 Some(kept) => kept_within(kept, name, limit),

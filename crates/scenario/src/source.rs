@@ -8,7 +8,8 @@ use papilio_diagnostics::Place;
 use crate::origin::Origin;
 use crate::tree::Node;
 
-/// Begins an override that is an axis of a sweep, `--axis KEY=VALUES`, instead of a `--set`.
+/// Begins an override that is an axis of a sweep, `--axis KEY=VALUES`, instead of a `--set`. Overrides of other options
+/// begin with their names, too.
 pub(crate) const AXIS: &str = "--axis ";
 
 /// The scenario file, then each `--set` in order, then other texts that change it.
@@ -29,14 +30,15 @@ impl Sources {
         let mut texts = vec![(file_name.to_owned(), file_text.to_owned())];
         let mut axes = 0..0;
         for text in overrides {
-            let name = match text.strip_prefix(AXIS) {
-                Some(_) => {
+            let (name, text) = match text.split_once(' ').filter(|(option, _)| option.starts_with("--")) {
+                Some((option, text)) if AXIS.starts_with(option) => {
                     axes.end += 1;
-                    format!("--axis #{}", axes.end)
+                    (format!("{option} #{}", axes.end), text)
                 }
-                None => format!("--set #{}", texts.len() - axes.end),
+                Some((option, text)) => (option.to_owned(), text),
+                None => (format!("--set #{}", texts.len() - axes.end), &**text),
             };
-            texts.push((name, text.strip_prefix(AXIS).unwrap_or(text).to_owned()));
+            texts.push((name, text.to_owned()));
         }
         let is_axis = overrides.iter().map(|text| text.starts_with(AXIS)).collect();
         Self { texts, document: Arc::new(document), is_axis, folder: None }

@@ -108,6 +108,11 @@ impl Resolver<'_> {
                     is_usual.then_some(illuminance_lx)
                 }
                 _ => {
+                    let is_map = |one: &&Spanned<Described>| matches!(one.value, Described::Map(_));
+                    // A map that cannot be read is an error of its own.
+                    if lighting.environment.iter().filter(is_map).count() > self.maps.len() {
+                        return None;
+                    }
                     let wrong = match self.maps.len() {
                         1 => "the share of the map is 0".to_owned(),
                         maps => format!("\"from-map\" needs one map, and there are {maps}"),

@@ -305,6 +305,10 @@ fn wrong_regions_and_illuminances_are_refused() {
         let error = resolve(&text, &shipped(), &[]).unwrap_err().to_string();
         assert!(error.contains(wanted) && error.contains("test.toml:"), "{wanted}: {error}");
     }
+    // A map that cannot be read is one error.
+    let missing = from_map(with(&office.replace("synthetic", "missing")));
+    let error = resolve(&missing, &shipped(), &[]).unwrap_err().to_string();
+    assert!(error.matches("error: ").count() == 1 && error.contains("missing-office.hdr"), "{error}");
     let small = with(&format!("{office}regions = [{{ spectrum = \"A\", elevation_deg = [10, 10.1] }}]"));
     let resolved = resolve(&small, &shipped(), &[]).unwrap();
     assert!(
