@@ -188,6 +188,8 @@ fn last_incidence_is_held_by_default() {
         notes.contains("one incidence, 0 deg: its lobe is used") && warnings.is_empty(),
         "{notes}\n{warnings}"
     );
+    // All of the disc but its part within the disc that was measured, shifted by sin 60 deg: 53.36 %.
+    assert!(notes.contains("at 60 deg of incidence, 53.3 % of the light is farther"), "{notes}");
     assert_eq!(told(&single, "extrapolate = \"hold\""), [notes, String::new()]);
     let [notes, warnings] = told(&single, "extrapolate = \"none\"");
     assert!(notes.is_empty() && warnings.contains("beyond 0 deg: light from there is lost"), "{warnings}");

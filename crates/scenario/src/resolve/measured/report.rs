@@ -167,8 +167,7 @@ impl Resolver<'_> {
     fn report_beyond(&mut self, path: &str, way: &str, changes: &Changes) {
         if let Some([theta, share]) = changes.held_beyond.filter(|[_, share]| *share >= REPORTED_CHANGE) {
             let percent = 100.0 * share;
-            let reports = if share < MUCH_BEYOND { &mut self.notes } else { &mut self.warnings };
-            reports.push(format!(
+            self.notes.push(format!(
                 "{path}: {way}: at {theta} deg of incidence, {percent:.1} % of the light is farther from the specular direction than anything \
                  that was measured: this part is extrapolated"
             ));
