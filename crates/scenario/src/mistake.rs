@@ -294,10 +294,12 @@ pub(crate) fn edges(what: &str, from_deg: f64, to_deg: f64, expected: impl std::
         .expected(expected)
 }
 
-/// A "cone" or a "luminaire" that reaches below the display's horizon.
-pub(crate) fn below_horizon(what: &str, theta_deg: f64) -> Diagnostic {
+/// A "cone" or a "luminaire" that reaches below the display's horizon, by the sum of two angles.
+pub(crate) fn below_horizon(what: &str, theta_deg: f64, [middle, half]: [&str; 2]) -> Diagnostic {
     let reach = (theta_deg * 100.0).round() / 100.0;
-    Diagnostic::new(format!("this {what} reaches {reach} deg from the normal")).expected("less than 90 deg")
+    Diagnostic::new(format!("this {what} reaches {reach} deg from the normal"))
+        .expected("less than 90 deg")
+        .hint(format!("it reaches as far as {middle} plus {half}: reduce one of them"))
 }
 
 /// Light that does not reach the display.

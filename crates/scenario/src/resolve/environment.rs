@@ -188,7 +188,10 @@ impl Resolver<'_> {
                 .origin
                 .or_override([luminaire.tilt_deg.origin, luminaire.azimuth_deg.origin]);
             let reach = theta_deg + radius_deg;
-            self.errors.push(at, mistake::below_horizon("luminaire", reach));
+            self.errors.push(
+                at,
+                mistake::below_horizon("luminaire", reach, ["its inclination", "the radius of its opening"]),
+            );
             return None;
         }
         if intensity == 0.0 {

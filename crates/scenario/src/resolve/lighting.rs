@@ -197,7 +197,7 @@ impl Resolver<'_> {
         let reach = source.theta_deg.0.abs() + radius_deg.unwrap_or(0.0);
         if radius_deg.is_some() && reach >= 90.0 {
             let at = source.radius_deg.origin.or_override([source.theta_deg.origin]);
-            self.errors.push(at, mistake::below_horizon("cone", reach));
+            self.errors.push(at, mistake::below_horizon("cone", reach, ["theta_deg", "radius_deg"]));
         }
         let spectrum = self.own_light(&format!("lighting.directed.{i}.spectrum"), &source.spectrum, general);
         Some(DirectedLight {

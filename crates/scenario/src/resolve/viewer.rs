@@ -47,10 +47,12 @@ impl Resolver<'_> {
         let field_deg = aperture.map_or(viewer.field_deg.0, |aperture| 2.0 * aperture.asin().to_degrees());
         let reach = theta_deg.iter().fold(0.0, |most: f64, theta| most.max(theta.abs())) + 0.5 * field_deg;
         if reach >= 90.0 {
-            let field =
-                if aperture.is_some() { viewer.numerical_aperture.origin } else { viewer.field_deg.origin };
+            let (field, half) = match aperture {
+                Some(_) => (viewer.numerical_aperture.origin, "the half angle of numerical_aperture"),
+                None => (viewer.field_deg.origin, "half of field_deg"),
+            };
             let at = field.or_override([viewer.theta_deg.origin]);
-            self.errors.push(at, mistake::below_horizon("cone", reach));
+            self.errors.push(at, mistake::below_horizon("cone", reach, ["theta_deg", half]));
         }
         let distance_mm = viewer.distance_mm.0;
         let polariser_deg = viewer.polariser.as_ref().map(|polariser| match polariser {

@@ -429,7 +429,7 @@ fn mistakes_caused_by_set_are_reported_at_the_set() {
     let in_glass = format!("{bare}[solver]\nangle_medium = \"glass\"\n");
     let with_range = changed(&[("theta_deg = 8", "theta_deg = { from = 0, to = 9, step = 1 }")]);
     let diffuser = "display.diffuser={ model = \"lambertian\", transmittance = 1 }";
-    let cases: [(&str, &str, &str); 17] = [
+    let cases: [(&str, &str, &str); 18] = [
         (GOOD, "display.pixel.area.red=0.9", "the areas sum to 1.4"),
         (GOOD, "display.pixel.film.0.thickness_nm=gap", "2 layers of this film"),
         (GOOD, "display.pixel.gap_nm={ red = 200 }", "in `gap_nm`"),
@@ -441,6 +441,7 @@ fn mistakes_caused_by_set_are_reported_at_the_set() {
         (GOOD, "spectrum.range_nm=[340, 700]", "`Cr:Johnson` reaches from"),
         (GOOD, "spectrum.step_nm=7", "not a grid"),
         (GOOD, "viewer.theta_deg=89.99", "this cone reaches"),
+        (GOOD, "viewer.field_deg=180", "theta_deg plus half of field_deg: reduce one of them"),
         (&coated, diffuser, "includes its surfaces"),
         (
             &coated,
