@@ -33,6 +33,9 @@ const SHIFTS: usize = 10;
 /// Azimuths from 0 to 180 deg at which scattered light is collected.
 const AZIMUTHS: usize = 361;
 
+/// Cosine of an inclination up to which a direction is on the horizon.
+const HORIZON: f64 = 1e-9;
+
 /// Light that arrives in each ring, by azimuth from the mirror direction.
 type Arrived = Vec<[f64; AZIMUTHS]>;
 
@@ -185,8 +188,11 @@ fn collected(
     let incidence_deg = grid.incidences_deg[light];
     let shifts = shifts(rings, light);
     let mut found = vec![vec![[0.0; AZIMUTHS]; rings.len()]; channels.len()];
-    let is_above =
-        |a: usize, r: usize| SpecularGrid::direction(incidence_deg, azimuths[a], radials[r]).is_some();
+    // On the horizon, where light has no value, rounding decides whether a direction is above it.
+    let is_above = |a: usize, r: usize| {
+        SpecularGrid::direction(incidence_deg, azimuths[a], radials[r])
+            .is_some_and(|to| to.vector()[2] > HORIZON)
+    };
     let row = light * azimuths.len();
     for a in 1..azimuths.len() {
         for r in 1..radials.len() {
@@ -328,7 +334,9 @@ mod tests {
                         let [x, y, _] = viewer.vector();
                         (x - incidence.to_radians().sin()).hypot(y)
                     });
-                    values.push(distance.map_or(0.0, &f));
+                    // As a display's table, which has no light on the horizon.
+                    let is_above = viewer.is_some_and(|viewer| viewer.vector()[2] > 1e-12);
+                    values.push(distance.filter(|_| is_above).map_or(0.0, &f));
                 }
             }
         }
