@@ -111,26 +111,28 @@ fn choose_channels(
 /// means of reciprocal values are reciprocal.
 const POINTS: [usize; 2] = [4, 4];
 
+/// Smallest number of listed pairs.
+const FEWEST_PAIRS: usize = 12;
+
 /// Returns the mean of f for each pair of patches, weighted with both cosines: of the smooth lobe of an isotropic
 /// sample, otherwise over points of both patches.
 fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Result<Vec<f64>, WriteError> {
     if let Geometry::Tree(tree) = &part.geometry {
         return Ok(patch_means(tree, part.channel(channel), &KLEMS_FULL));
     }
-    let is_list = matches!(part.geometry, Geometry::Pairs(_));
-    if is_list || part.geometry.is_isotropic() {
-        match lobe_patch_means(part, channel, &KLEMS_FULL) {
-            Ok((means, changes)) => {
-                extrapolated(&changes, part, lost);
-                return Ok(means);
-            }
-            Err(_) if is_list => {
-                let what = "fewer than 12 different pairs of directions, or no light";
-                return Err(WriteError::CannotHold { format: KLEMS, what });
-            }
-            // Values that no lobe has.
-            Err(_) => {}
-        }
+    let pairs = match &part.geometry {
+        Geometry::Pairs(pairs) => Some(pairs.len()),
+        _ => None,
+    };
+    let has_lobe = pairs.map_or(part.geometry.is_isotropic(), |pairs| pairs >= FEWEST_PAIRS);
+    let lobe = has_lobe.then(|| lobe_patch_means(part, channel, &KLEMS_FULL).ok()).flatten();
+    if let Some((means, changes)) = lobe {
+        extrapolated(&changes, part, lost);
+        return Ok(means);
+    }
+    if pairs.is_some() {
+        let what = "fewer than 12 different pairs of directions, or no light";
+        return Err(WriteError::CannotHold { format: KLEMS, what });
     }
     let patches = patches(&KLEMS_FULL, POINTS);
     let mut empty = false;
