@@ -170,8 +170,15 @@ fn extrapolated(changes: &Changes, part: &MeasuredPart, lost: &mut Vec<String>) 
     }
     // The outermost patches begin there.
     if changes.last_deg < KLEMS_FULL[KLEMS_FULL.len() - 1].from_deg {
+        let beyond = match changes.held_beyond {
+            Some([theta, fraction]) if fraction > SMALL => format!(
+                ": at {theta} deg, {:.1} % of the light is farther from the specular direction than anything that was measured",
+                100.0 * fraction
+            ),
+            _ => String::new(),
+        };
         add(format!(
-            "beyond {} deg of incidence, the lobe of the {way} at this incidence was used, shifted with the light",
+            "beyond {} deg of incidence, the lobe of the {way} at this incidence was used, shifted with the light{beyond}",
             changes.last_deg
         ));
     }

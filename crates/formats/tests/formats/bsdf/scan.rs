@@ -213,3 +213,17 @@ fn listed_pairs_in_any_order_are_written_in_the_other_formats() {
         assert!((total - 1.0).abs() < 2e-3, "{format:?}: {total}");
     }
 }
+
+/// A perfect diffuser of one incidence: at 60 deg, the part of the unit disc outside the one that was measured, shifted by
+/// sin 60 deg, is extrapolated.
+#[test]
+fn extrapolated_light_of_a_scan_is_stated_by_klems_matrices() {
+    let rows: String = (0..=90).map(|theta| format!("{theta},0.2\n")).collect();
+    let lost = written(BsdfFormat::Klems, &read(format!("theta_deg,brdf\n{rows}"))).1;
+    let half = 0.5 * 60_f64.to_radians().sin();
+    let shared = 2.0 * half.acos() - 2.0 * half * (1.0 - half * half).sqrt();
+    let expected = 100.0 * (1.0 - shared / std::f64::consts::PI);
+    let line = lost.iter().find(|line| line.starts_with("beyond 0 deg of incidence")).unwrap();
+    let stated: f64 = line.split(": at 60 deg, ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((stated - expected).abs() < 0.15, "{line}, expected {expected}");
+}
