@@ -4,8 +4,9 @@
 //! **What.** A small signal about a state of reflectance rho, of the same relative size at all wavelengths,
 //! has the transfer `(1 - rho A(0))/(1 - rho A(f))` with the return A of the layers above
 //! ([`LambertianReturn`]). The constant `1 - rho A(0)` is the sharp image; the rest is spread over many
-//! thicknesses of the glass. Direction and kind of the light do not matter: it arrives uniformly. A diffuser
-//! spreads what is seen of both (`lobe.rs`).
+//! thicknesses of the glass. Wavelengths count by their response to the signal, `Y/(1 - rho A(0))`. Direction
+//! and kind of the light do not matter: it arrives uniformly. A diffuser spreads what is seen of both
+//! (`lobe.rs`).
 //!
 //! In an oblique view, light that has been reflected between face and front is seen from another place: a
 //! second image, with its own surroundings, shifted by twice the way through the air.
@@ -65,10 +66,13 @@ pub(super) struct Paper {
     pub(super) faces: Vec<LambertianReturn>,
     /// Spread inside the pixels; not below layers that scatter.
     pub(super) spread: Option<PixelSpread>,
-    /// Reflectance of the paper, and light by wavelength, `[state][wavelength]`.
-    pub(super) reflectance: Vec<f64>,
-    pub(super) light: Vec<f64>,
-    pub(super) bins: usize,
+    /// Reflectance of the paper, `[state][wavelength]`.
+    reflectance: Vec<f64>,
+    /// Light of a page by wavelength, and as the wavelengths count in the transfer of a small signal, with the same sum;
+    /// `[state][wavelength]`.
+    light: Vec<f64>,
+    responding: Vec<f64>,
+    bins: usize,
     images: Vec<Image>,
 }
 
@@ -91,7 +95,8 @@ struct Image {
     series: Vec<Series>,
 }
 
-/// Light of the wavelengths at which a state has the same reflectance under the same face.
+/// Light of the wavelengths at which a state has the same reflectance under the same face, as they count in
+/// the transfer.
 pub(super) struct Shade {
     pub(super) face: usize,
     pub(super) reflectance: f64,
@@ -120,8 +125,8 @@ pub(super) fn response(
     };
     *known = Some(faces.clone());
     let spread = lit.spread;
-    let paper =
-        Paper { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images: Vec::new() };
+    let paper = Paper::new(faces, [thickness_mm, reach_mm], [reflectance, light], bins);
+    let paper = Paper { lobe, spread, ..paper };
     let along_axis = images(lit)?;
     // Below a lobe, light is seen from places around anyway.
     if is_diffused {
@@ -224,7 +229,19 @@ impl Paper {
         bins: usize,
     ) -> Self {
         let (lobe, spread, images) = (None, None, Vec::new());
-        Self { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, bins, images }
+        let mut responding = light.clone();
+        for face in &faces {
+            let zero = face.at(0.0);
+            for at in face.bins.iter().flat_map(|bin| (*bin..reflectance.len()).step_by(bins)) {
+                responding[at] /= 1.0 - reflectance[at] * zero;
+            }
+        }
+        for (responding, light) in responding.chunks_exact_mut(bins).zip(light.chunks_exact(bins)) {
+            let [all, scaled] = [light.iter().sum::<f64>(), responding.iter().sum()];
+            let scale = if scaled > 0.0 { all / scaled } else { 0.0 };
+            responding.iter_mut().for_each(|light| *light *= scale);
+        }
+        Self { lobe, thickness_mm, reach_mm, faces, spread, reflectance, light, responding, bins, images }
     }
 }
 
@@ -308,7 +325,7 @@ impl Paper {
         let mut shades: Vec<Shade> = Vec::new();
         for (face, LambertianReturn { bins, .. }) in self.faces.iter().enumerate() {
             for (bin, at) in bins.iter().map(|bin| (*bin, state * self.bins + bin)) {
-                let (reflectance, light) = (self.reflectance[at], fraction[bin] * self.light[at]);
+                let (reflectance, light) = (self.reflectance[at], fraction[bin] * self.responding[at]);
                 let same = |shade: &&mut Shade| shade.face == face && shade.reflectance == reflectance;
                 match shades.iter_mut().find(same) {
                     Some(shade) => shade.light += light,

@@ -116,6 +116,32 @@ fn lobe_much_narrower_than_a_pixel_is_sharp() {
     assert!(scalars.r50_um.unwrap() < 0.2);
 }
 
+/// Coloured paper: fine details change only the light of their own place, and whole pages all of it, so that the
+/// ratio of both responses is what is left of the modulation. The page's is a difference of two runs. (With the weights of
+/// Y it would be 0.510 instead of 0.480.)
+#[test]
+fn wavelengths_of_coloured_paper_count_by_their_response() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = |scale: f64| {
+        let file = folder.path().join(format!("{scale}.csv"));
+        let rows = [(380.0, 0.05), (560.0, 0.05), (600.0, 0.95), (780.0, 0.95)];
+        let rows = rows.map(|(nm, value)| format!("{nm},{}\n", scale * value));
+        std::fs::write(&file, rows.concat()).unwrap();
+        let pixel = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"";
+        format!("{pixel}\nreflectance = {{ white = '{}', black = 0.5 }}\n", file.display())
+    };
+    let y = |scale: f64| {
+        let scene = resolved(&[&glass("fresnel", 20.0), &page(scale), DIFFUSE]).scene;
+        common::run(&scene).unwrap().views[0].states.get("white").unwrap().value.Y
+    };
+    let [dark, bare, plain, bright] = [0.0, 0.999, 1.0, 1.001].map(y);
+    let expected = (plain - dark) / ((bright - bare) / 0.002);
+    let result = computed(&[&glass("fresnel", 20.0), MATRIX, &page(1.0), DIFFUSE]).unwrap();
+    near("details", white(&result).scalars.mtf_nyquist_x.unwrap(), expected, 1e-4);
+    let black = result.views[0].states.get("black").unwrap();
+    near("grey", black.scalars.mtf_nyquist_x.unwrap(), 1.0 - 0.5 * 0.596_345_759_7, 1e-4);
+}
+
 /// Halation under 0.7 mm of glass: the return P(f) by mpmath, from the transfer of a state of 0.45.
 #[test]
 fn halation_has_known_return() {
