@@ -1,25 +1,30 @@
 //! The director of a nematic cell at a voltage, by one-dimensional Frank-Oseen theory.
 //!
-//! **Model.** Between two plane electrodes the director depends on depth only: tilt `theta(z)` out of the panel and azimuth `phi(z)`, both
-//! fixed at the surfaces (strong anchoring). It has the least free energy at this voltage, per area
+//! **Model.** Between two plane electrodes the director `n` depends on depth only, and is fixed at the surfaces (strong anchoring). It is a
+//! minimum of the free energy at this voltage, per area
 //!
-//! `integral of [k(theta) theta'^2 + a(theta) phi'^2]/2 dz - epsilon_0 U^2/2 / (integral of dz/epsilon(theta))`,
+//! `integral of [K11 n_z'^2 + K22 s^2 + K33 (n_x'^2 + n_y'^2 - s^2)]/2 dz - epsilon_0 U^2/2 / (integral of dz/epsilon(n_z))`,
 //!
-//! with `k = K11 cos^2 + K33 sin^2`, `a = (K22 cos^2 + K33 sin^2) cos^2` and `epsilon` the permittivity along the normal. The field follows
-//! from the director by `D = const`, the azimuth by `a phi' = const`: both leave a problem in the tilt alone.
+//! with the twist `s = n_x n_y' - n_y n_x'` and the permittivity `epsilon` along the normal, whose integral follows from `D = const`.
+//!
+//! **Which minimum.** The one that a drive reaches whose voltage rises from 0: cells that turn by 180 deg or more may have others, of less
+//! energy, behind a barrier. Among two equivalent ones of a cell without pretilt, the one with a positive change of tilt is found. A cell
+//! without twist stays in its plane.
 //!
 //! **Parameters.** Elastic constants in pN, relative permittivities at the frequency of the drive (usually 1 kHz), volts rms. The thickness does not
 //! matter: lengths are fractions of the gap.
 //!
-//! **Method.** Tilts at [`INTERVALS`]` + 1` depths, energies by the midpoint rule (error of second order), Newton's method with a line
-//! search on the energy. Both integrals couple all depths, by one term of rank one each; the rest of the Hessian matrix is tridiagonal. The voltage rises from
-//! 0 in steps, so that the director is the one that a drive reaches. Among two equivalent ones of a cell without pretilt, the one with
-//! a positive change of tilt is found.
+//! **Method.** Unit vectors at [`INTERVALS`]` + 1` depths, energies by differences (error of second order), Newton's method on the
+//! spheres with a line search on the energy. Vectors have no singular direction: tilt and azimuth would at the normal, through which a
+//! director that turns by more than 180 deg escapes from its twist. The field couples all depths, by one term of rank one; the rest of the
+//! Hessian matrix is a band.
 //!
 //! **Validity.** No flexoelectricity, ions, chiral dopant, finite anchoring, flow or change of the order.
 //!
 //! Source: F. C. Frank, Discuss. Faraday Soc. 25, 19 (1958); H. J. Deuling, Mol. Cryst. Liq. Cryst. 19, 123 (1972); I. W. Stewart, "The Static
 //! and Dynamic Continuum Theory of Liquid Crystals" (2004), chapter 3.
+
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use crate::OpticsError;
 
@@ -30,14 +35,21 @@ pub const INTERVALS: usize = 400;
 const EPSILON_0: f64 = 8.854_187_812_8;
 
 /// Largest step of the voltage while it rises, V, and the fewest steps.
-const STEP_V: f64 = 0.5;
+const STEP_V: f64 = 0.25;
 const FEWEST_STEPS: usize = 4;
 
 /// Change of tilt in the middle from which each voltage begins, radians.
 const NUDGE: f64 = 1e-2;
 
-/// Iterations for one voltage, and the largest step of a tilt that ends them, radians.
+/// Iterations for one voltage, and the largest turn of a director in one of them, radians.
 const MOST_ITERATIONS: usize = 500;
+const LARGEST_TURN: f64 = 0.05;
+
+/// A director with less than this across the normal has no azimuth of its own.
+const NORMAL: f64 = 1e-6;
+
+/// Turns that end the iterations, radians: on the way to the voltage, and there.
+const NEARLY_SETTLED: f64 = 1e-4;
 const SETTLED: f64 = 1e-11;
 
 /// Elastic constants and permittivities of a nematic.
@@ -104,176 +116,205 @@ pub fn director(cell: &DrivenCell) -> Result<Profile, OpticsError> {
             return Err(OpticsError::Axis { what, expected });
         }
     }
-    let mut problem = Problem::new(cell);
+    let mut problem =
+        Problem { elastic: elastic_pn, permittivity, is_planar: cell.twist_deg == 0.0, square_volts: 0.0 };
     let [top, bottom] = cell.tilt_deg.map(f64::to_radians);
-    let at = |k: usize| top + (bottom - top) * k as f64 / INTERVALS as f64;
-    let mut tilt: Vec<f64> = (0..=INTERVALS).map(at).collect();
+    // Upwards from a flat director, away from the normal from a standing one; the reverse of both where it points down.
+    let mean = 0.5 * (top + bottom);
+    let sign = if (mean < 0.0) == (mean.abs() > FRAC_PI_4) { 1.0 } else { -1.0 };
+    let at = |k: usize| {
+        let depth = k as f64 / INTERVALS as f64;
+        let (tilt, azimuth) = (top + (bottom - top) * depth, cell.twist_deg.to_radians() * depth);
+        let size = sign * NUDGE * (PI * depth).sin();
+        (director_of(tilt, azimuth), director_of(tilt + 0.5 * PI, azimuth).map(|part| size * part))
+    };
+    let (mut directors, nudges): (Vec<_>, Vec<_>) = (0..=INTERVALS).map(at).unzip();
     let steps = ((cell.volts / STEP_V).ceil() as usize).max(FEWEST_STEPS);
     for step in 0..=steps {
         problem.square_volts = (cell.volts * step as f64 / steps as f64).powi(2);
-        problem.settle(&mut tilt);
+        problem.settle(&mut directors, &nudges, if step < steps { NEARLY_SETTLED } else { SETTLED });
     }
-    let twist = problem.twist(&tilt);
+    let angles = angles(&directors, top);
     Ok(Profile {
-        energy_pn: problem.energy(&tilt),
-        tilt_deg: tilt.iter().map(|tilt| tilt.to_degrees()).collect(),
-        twist_deg: twist.iter().map(|twist| twist.to_degrees()).collect(),
+        energy_pn: problem.energy(&directors),
+        tilt_deg: angles.iter().map(|[tilt, _]| tilt.to_degrees()).collect(),
+        twist_deg: angles.iter().map(|[_, azimuth]| azimuth.to_degrees()).collect(),
     })
 }
 
-/// A function of tilt with its first two derivatives.
-type Jet = [f64; 3];
+type Vector = [f64; 3];
 
-/// A factor, and the function of tilt by whose integral it is divided.
-type Integral = (f64, fn(&Problem, f64) -> Jet);
+fn director_of(tilt: f64, azimuth: f64) -> Vector {
+    [tilt.cos() * azimuth.cos(), tilt.cos() * azimuth.sin(), tilt.sin()]
+}
 
-/// The energy in units of pN, as a function of the tilts.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The directions of rising tilt and of rising azimuth.
+fn frame([x, y, z]: Vector) -> [Vector; 2] {
+    let (across, azimuth) = (x.hypot(y), y.atan2(x));
+    [[-z * azimuth.cos(), -z * azimuth.sin(), across], [-azimuth.sin(), azimuth.cos(), 0.0]]
+}
+
+/// Tilts and azimuths without jumps; the first azimuth is about 0. Beyond the normal the tilt is above 90 deg, or the azimuth turned by half
+/// a turn: whichever is nearer.
+fn angles(directors: &[Vector], first_tilt: f64) -> Vec<[f64; 2]> {
+    let mut last = [first_tilt, 0.0];
+    let next = |[x, y, z]: &Vector| {
+        let across = x.hypot(*y);
+        let [tilt, azimuth] = [z.atan2(across), if across > NORMAL { y.atan2(*x) } else { last[1] }];
+        let distance = |one: &[f64; 2]| (one[0] - last[0]).abs() + (one[1] - last[1]).abs();
+        let [own, other] = [[tilt, azimuth], [PI - tilt, azimuth + PI]]
+            .map(|one| [0, 1].map(|axis: usize| one[axis] + TAU * ((last[axis] - one[axis]) / TAU).round()));
+        last = if distance(&own) <= distance(&other) { own } else { other };
+        last
+    };
+    directors.iter().map(next).collect()
+}
+
+/// The energy in units of pN, as a function of the directors.
 struct Problem {
     elastic: [f64; 3],
     permittivity: [f64; 2],
-    twist: f64,
+    /// Whether the azimuth is fixed.
+    is_planar: bool,
     square_volts: f64,
 }
 
-/// Gradient and Hessian matrix of the energy in the inner tilts: tridiagonal, plus `factor * direction direction^T` twice.
+/// Gradient and Hessian matrix of the energy in the turns of the inner directors, two each ([`frame`]): a band, plus
+/// `factor * slopes slopes^T` of the field.
 struct Expansion {
     gradient: Vec<f64>,
-    diagonal: Vec<f64>,
-    beside: Vec<f64>,
-    rank_one: [(f64, Vec<f64>); 2],
+    band: Band,
+    field: (f64, Vec<f64>),
 }
 
 impl Problem {
-    fn new(cell: &DrivenCell) -> Self {
-        Self {
-            elastic: cell.nematic.elastic_pn,
-            permittivity: cell.nematic.permittivity,
-            twist: cell.twist_deg.to_radians(),
-            square_volts: 0.0,
-        }
-    }
-
-    /// Returns `across + (along - across) sin^2` of a tilt.
-    fn mixed([across, along]: [f64; 2], tilt: f64) -> Jet {
-        let ((sin, cos), more) = (tilt.sin_cos(), along - across);
-        let double = 2.0 * sin * cos;
-        [across + more * sin * sin, more * double, 2.0 * more * (cos * cos - sin * sin)]
-    }
-
-    fn inverse([value, first, second]: Jet) -> Jet {
-        let over = 1.0 / value;
-        [over, -first * over * over, (2.0 * first * first * over - second) * over * over]
-    }
-
-    /// Elastic constant of a change of tilt.
-    fn stiffness(&self, tilt: f64) -> Jet {
-        Self::mixed([self.elastic[0], self.elastic[2]], tilt)
-    }
-
-    /// Inverse of that of a change of azimuth, which the normal direction does not resist.
-    fn over_twist(&self, tilt: f64) -> Jet {
-        let a = Self::mixed([self.elastic[1], self.elastic[2]], tilt);
-        let b = Self::mixed([1.0, 1e-9], tilt);
-        Self::inverse([a[0] * b[0], a[1] * b[0] + a[0] * b[1], a[2] * b[0] + 2.0 * a[1] * b[1] + a[0] * b[2]])
-    }
-
-    /// Inverse of the permittivity along the normal.
-    fn over_permittivity(&self, tilt: f64) -> Jet {
+    /// Inverse of the permittivity along the normal, with its first two derivatives in `n_z`.
+    fn over_permittivity(&self, z: f64) -> [f64; 3] {
         let [along, across] = self.permittivity;
-        Self::inverse(Self::mixed([across, along], tilt))
+        let more = along - across;
+        let over = 1.0 / (across + more * z * z);
+        let first = -2.0 * more * z * over * over;
+        [over, first, -2.0 * more * over * over - 4.0 * more * z * first * over]
     }
 
-    /// The energies `c/(integral of w)`: c and w of the twist and of the field.
-    fn integrals(&self) -> [Integral; 2] {
-        [
-            (0.5 * self.twist * self.twist, Self::over_twist),
-            (-0.5 * EPSILON_0 * self.square_volts, Self::over_permittivity),
-        ]
+    /// The energy of the field is this factor over the integral of the inverse permittivity.
+    fn of_field(&self) -> f64 {
+        -0.5 * EPSILON_0 * self.square_volts
     }
 
-    fn energy(&self, tilt: &[f64]) -> f64 {
-        let h = 1.0 / INTERVALS as f64;
-        let pairs = || tilt.windows(2).map(|pair| (0.5 * (pair[0] + pair[1]), pair[1] - pair[0]));
-        let elastic: f64 =
-            pairs().map(|(mean, change)| 0.5 * self.stiffness(mean)[0] * change * change / h).sum();
-        let others = self.integrals().map(|(factor, weight)| {
-            if factor == 0.0 {
-                0.0
-            } else {
-                factor / (h * pairs().map(|(mean, _)| weight(self, mean)[0]).sum::<f64>())
-            }
-        });
-        elastic + others[0] + others[1]
+    /// Integral of the inverse permittivity (trapezoids).
+    fn integral(&self, directors: &[Vector]) -> f64 {
+        let pairs =
+            directors.windows(2).map(|pair| [pair[0], pair[1]].map(|n| self.over_permittivity(n[2])[0]));
+        pairs.map(|[a, b]| 0.5 * (a + b)).sum::<f64>() / INTERVALS as f64
     }
 
-    fn expansion(&self, tilt: &[f64]) -> Expansion {
-        let (h, count) = (1.0 / INTERVALS as f64, tilt.len());
-        let (mut gradient, mut diagonal, mut beside) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-        for k in 0..INTERVALS {
-            let (mean, change) = (0.5 * (tilt[k] + tilt[k + 1]), tilt[k + 1] - tilt[k]);
-            let [value, first, second] = self.stiffness(mean).map(|k| k / h);
-            let (slope, curve) = (0.25 * first * change * change, 0.125 * second * change * change);
-            gradient[k] += slope - value * change;
-            gradient[k + 1] += slope + value * change;
-            diagonal[k] += curve - first * change + value;
-            diagonal[k + 1] += curve + first * change + value;
-            beside[k] += curve - value;
-        }
-        let rank_one = self.integrals().map(|(factor, weight)| {
-            let mut slopes = vec![0.0; count];
-            if factor == 0.0 {
-                return (0.0, slopes);
-            }
-            let jets: Vec<Jet> =
-                tilt.windows(2).map(|pair| weight(self, 0.5 * (pair[0] + pair[1])).map(|w| w * h)).collect();
-            let sum: f64 = jets.iter().map(|jet| jet[0]).sum();
-            let rate = -factor / (sum * sum);
-            for (k, [_, first, second]) in jets.into_iter().enumerate() {
-                slopes[k] += 0.5 * first;
-                slopes[k + 1] += 0.5 * first;
-                diagonal[k] += 0.25 * rate * second;
-                diagonal[k + 1] += 0.25 * rate * second;
-                beside[k] += 0.25 * rate * second;
-            }
-            gradient.iter_mut().zip(&slopes).for_each(|(sum, slope)| *sum += rate * slope);
-            (2.0 * factor / sum.powi(3), slopes)
-        });
-        let inner = |mut values: Vec<f64>| {
-            values.pop();
-            values.remove(0);
-            values
+    fn energy(&self, directors: &[Vector]) -> f64 {
+        let [splay, twist, bend] = self.elastic;
+        let of_pair = |pair: &[Vector]| {
+            let (a, b) = (pair[0], pair[1]);
+            let [x, y, z] = [0, 1, 2].map(|axis: usize| b[axis] - a[axis]);
+            let turn = a[0] * b[1] - a[1] * b[0];
+            splay * z * z + bend * (x * x + y * y) + (twist - bend) * turn * turn
         };
-        let rank_one = rank_one.map(|(factor, slopes)| (factor, inner(slopes)));
-        let mut beside = inner(beside);
-        beside.pop();
-        Expansion { gradient: inner(gradient), diagonal: inner(diagonal), beside, rank_one }
+        let elastic: f64 = directors.windows(2).map(of_pair).sum();
+        0.5 * INTERVALS as f64 * elastic + self.of_field() / self.integral(directors)
     }
 
-    /// Moves the tilts to the nearest minimum of the energy.
-    fn settle(&self, tilt: &mut Vec<f64>) {
-        let (last, sign) = (tilt.len() - 1, Self::nudge_sign(tilt));
-        for (k, tilt) in tilt.iter_mut().enumerate() {
-            *tilt += sign * NUDGE * (std::f64::consts::PI * k as f64 / last as f64).sin();
-        }
-        let mut energy = self.energy(tilt);
-        let mut damping = 0.0;
-        for _ in 0..MOST_ITERATIONS {
-            let expansion = self.expansion(tilt);
-            let scale = expansion.diagonal.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-            let step = loop {
-                match expansion.step(damping * scale) {
-                    Some(step) => break step,
-                    None => damping = f64::max(4.0 * damping, 1e-8),
+    fn expansion(&self, directors: &[Vector]) -> Expansion {
+        let (count, inner) = (directors.len(), directors.len() - 2);
+        let frames: Vec<_> = directors.iter().copied().map(frame).collect();
+        let [splay, twist, bend] = self.elastic.map(|k| k * INTERVALS as f64);
+        let stiff = |u: &Vector, v: &Vector| bend * (u[0] * v[0] + u[1] * v[1]) + splay * u[2] * v[2];
+        let mut slopes = vec![[0.0; 3]; count];
+        // Of each director with itself, in the order of a symmetric matrix's lower half, and with the next one.
+        let (mut own, mut next) = (vec![[0.0; 3]; count], vec![[[0.0; 2]; 2]; count]);
+        for k in 0..INTERVALS {
+            let (a, b) = (directors[k], directors[k + 1]);
+            let change = [0, 1, 2].map(|axis: usize| b[axis] - a[axis]);
+            let turn = a[0] * b[1] - a[1] * b[0];
+            // Changes of the turn with both directors.
+            let turns = [[b[1], -b[0], 0.0], [-a[1], a[0], 0.0]];
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                let (slope, by) = (&mut slopes[k + side], turns[side]);
+                let straight = [bend * change[0], bend * change[1], splay * change[2]];
+                for axis in 0..3 {
+                    slope[axis] += sign * straight[axis] + (twist - bend) * turn * by[axis];
                 }
-                if damping > 1e6 {
+                let along = frames[k + side].map(|direction| dot(&by, &direction));
+                for (value, [i, j]) in own[k + side].iter_mut().zip([[0, 0], [1, 0], [1, 1]]) {
+                    let [u, v] = [i, j].map(|axis: usize| &frames[k + side][axis]);
+                    *value += stiff(u, v) + (twist - bend) * along[i] * along[j];
+                }
+            }
+            for (i, u) in frames[k].iter().enumerate() {
+                for (j, v) in frames[k + 1].iter().enumerate() {
+                    let both = dot(&turns[0], u) * dot(&turns[1], v) + turn * (u[0] * v[1] - u[1] * v[0]);
+                    next[k][i][j] = (twist - bend) * both - stiff(u, v);
+                }
+            }
+        }
+        let (h, integral) = (1.0 / INTERVALS as f64, self.integral(directors));
+        let rate = -self.of_field() / (integral * integral);
+        let mut of_field = Vec::with_capacity(2 * inner);
+        let (mut gradient, mut band) = (Vec::with_capacity(2 * inner), Band::default());
+        for k in 1..=inner {
+            let [_, first, second] = self.over_permittivity(directors[k][2]).map(|value| h * value);
+            slopes[k][2] += rate * first;
+            // What a turn on the sphere loses along the director itself.
+            let radial = dot(&slopes[k], &directors[k]);
+            let up = frames[k].map(|direction| direction[2]);
+            for (value, [i, j]) in own[k].iter_mut().zip([[0, 0], [1, 0], [1, 1]]) {
+                *value += rate * second * up[i] * up[j] - if i == j { radial } else { 0.0 };
+            }
+            of_field.extend(up.map(|up| first * up));
+            gradient.extend(frames[k].map(|direction| dot(&slopes[k], &direction)));
+            let [tilt, both, azimuth] = own[k];
+            let before = next[k - 1];
+            band.rows.push([tilt, before[1][0], before[0][0], 0.0]);
+            band.rows.push([azimuth, both, before[1][1], before[0][1]]);
+            if self.is_planar {
+                gradient[2 * k - 1] = 0.0;
+                band.rows[2 * k - 2][1] = 0.0;
+                band.rows[2 * k - 1] = [splay, 0.0, 0.0, 0.0];
+            }
+        }
+        Expansion { gradient, band, field: (2.0 * self.of_field() / integral.powi(3), of_field) }
+    }
+
+    /// Moves the directors to the nearest minimum of the energy, until they turn by less than `settled`.
+    fn settle(&self, directors: &mut Vec<Vector>, nudges: &[Vector], settled: f64) {
+        for (n, nudge) in directors.iter_mut().zip(nudges) {
+            *n = turned(*n, *nudge);
+        }
+        let mut energy = self.energy(directors);
+        for _ in 0..MOST_ITERATIONS {
+            let expansion = self.expansion(directors);
+            // Soft directors turn by no more than the largest turn, as in a flow downhill with small steps of time; stiff ones as by Newton.
+            let steepest = largest(&expansion.gradient);
+            let mut damping = steepest / LARGEST_TURN;
+            let step = loop {
+                match expansion.step(damping) {
+                    Some(step) => break step,
+                    None => damping = f64::max(2.0 * damping, 1e-8),
+                }
+                if damping > 1e9 {
                     return;
                 }
             };
-            let largest = step.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-            let mut length = (0.5 / largest).min(1.0);
+            let turn = largest(&step);
+            let mut length = (LARGEST_TURN / turn).min(1.0);
             let moved = loop {
-                let mut next = tilt.clone();
-                next[1..last].iter_mut().zip(&step).for_each(|(tilt, step)| *tilt += length * step);
+                let mut next = directors.clone();
+                for (n, step) in next[1..].iter_mut().zip(step.chunks_exact(2)) {
+                    let [up, around] = frame(*n);
+                    let turn = [0, 1, 2].map(|axis: usize| step[0] * up[axis] + step[1] * around[axis]);
+                    *n = turned(*n, turn.map(|part| length * part));
+                }
                 let found = self.energy(&next);
                 // Rounding of a large energy hides small gains near the minimum.
                 if found <= energy + 1e-14 * energy.abs() {
@@ -285,95 +326,82 @@ impl Problem {
                 }
             };
             let Some((next, found)) = moved else { return };
-            (*tilt, energy) = (next, found);
-            damping = if length == 1.0 { damping / 8.0 } else { damping };
-            if damping < 1e-10 {
-                damping = 0.0;
-            }
-            if largest * length < SETTLED {
+            (*directors, energy) = (next, found);
+            if turn * length < settled {
                 return;
             }
         }
     }
+}
 
-    /// Upwards from a flat director, away from the normal from a standing one; the reverse of both where it points down.
-    fn nudge_sign(tilt: &[f64]) -> f64 {
-        let mean = 0.5 * (tilt[0] + tilt[tilt.len() - 1]);
-        let is_standing = mean.abs() > std::f64::consts::FRAC_PI_4;
-        if (mean < 0.0) == is_standing { 1.0 } else { -1.0 }
-    }
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
 
-    /// Azimuths from the top, by a constant torque.
-    fn twist(&self, tilt: &[f64]) -> Vec<f64> {
-        let weights: Vec<f64> =
-            tilt.windows(2).map(|pair| self.over_twist(0.5 * (pair[0] + pair[1]))[0]).collect();
-        let total: f64 = weights.iter().sum();
-        let mut sum = 0.0;
-        let mut out = vec![0.0];
-        out.extend(weights.iter().map(|weight| {
-            sum += weight;
-            self.twist * sum / total
-        }));
-        out
-    }
+/// A director after a small turn across it.
+fn turned(n: Vector, turn: Vector) -> Vector {
+    let sum = [0, 1, 2].map(|axis: usize| n[axis] + turn[axis]);
+    let length = dot(&sum, &sum).sqrt();
+    sum.map(|part| part / length)
 }
 
 impl Expansion {
     /// Returns Newton's step with a damped Hessian matrix; `None` if it does not lead downwards.
     fn step(&self, damping: f64) -> Option<Vec<f64>> {
-        let downhill: Vec<f64> = self.gradient.iter().map(|value| -value).collect();
-        let mut step = self.solved(damping, &downhill)?;
-        // Sherman-Morrison, one term after the other.
-        let mut directions: Vec<(f64, &Vec<f64>, Vec<f64>)> = Vec::new();
-        for (factor, direction) in &self.rank_one {
-            if *factor == 0.0 {
-                continue;
-            }
-            let mut solved = self.solved(damping, direction)?;
-            for (factor, direction, before) in &directions {
-                corrected(&mut solved, *factor, direction, before);
-            }
-            // A negative factor must leave the matrix positive.
-            if 1.0 + factor * dot(direction, &solved) <= 1e-12 {
-                return None;
-            }
-            directions.push((*factor, direction, solved));
+        let factors = self.band.factors(damping)?;
+        let mut step = factors.solved(self.gradient.iter().map(|value| -value).collect());
+        let (factor, slopes) = &self.field;
+        // Sherman and Morrison. A negative factor must leave the matrix positive.
+        let solved = factors.solved(slopes.clone());
+        let over = 1.0 + factor * dot(slopes, &solved);
+        if over <= 1e-12 {
+            return None;
         }
-        for (factor, direction, solved) in &directions {
-            corrected(&mut step, *factor, direction, solved);
-        }
+        let share = factor * dot(slopes, &step) / over;
+        step.iter_mut().zip(&solved).for_each(|(value, solved)| *value -= share * solved);
         (dot(&step, &self.gradient) <= 0.0).then_some(step)
     }
+}
 
-    /// Returns the solution with the tridiagonal part; `None` if it is not positive.
-    fn solved(&self, damping: f64, right: &[f64]) -> Option<Vec<f64>> {
-        let count = right.len();
-        let (mut ratios, mut out) = (vec![0.0; count], right.to_vec());
-        let mut pivot = self.diagonal[0] + damping;
-        for k in 0..count {
-            if k > 0 {
-                ratios[k - 1] = self.beside[k - 1] / pivot;
-                pivot = self.diagonal[k] + damping - self.beside[k - 1] * ratios[k - 1];
-                out[k] -= self.beside[k - 1] * out[k - 1];
+/// A symmetric matrix by rows: the diagonal, and three elements to its left, the nearest one first. Or its factors `L D L^T`.
+#[derive(Default)]
+struct Band {
+    rows: Vec<[f64; 4]>,
+}
+
+impl Band {
+    /// Returns the factors, with this on the diagonal in addition; `None` if the matrix is not positive.
+    fn factors(&self, more: f64) -> Option<Self> {
+        let mut rows = self.rows.clone();
+        for row in 0..rows.len() {
+            rows[row][0] += more;
+            for column in row.saturating_sub(3)..=row {
+                let before = row.saturating_sub(3)..column;
+                let sum: f64 =
+                    before.map(|k| rows[row][row - k] * rows[k][0] * rows[column][column - k]).sum();
+                let value = rows[row][row - column] - sum;
+                rows[row][row - column] = if column < row { value / rows[column][0] } else { value };
             }
-            if pivot <= 0.0 {
+            if rows[row][0] <= 0.0 {
                 return None;
             }
-            out[k] /= pivot;
         }
-        for k in (0..count - 1).rev() {
-            out[k] -= ratios[k] * out[k + 1];
-        }
-        Some(out)
+        Some(Self { rows })
     }
-}
 
-/// Corrects a solution for a matrix that has `factor * direction direction^T` in addition; `solved` is that of `direction` without it.
-fn corrected(solution: &mut [f64], factor: f64, direction: &[f64], solved: &[f64]) {
-    let share = factor * dot(direction, solution) / (1.0 + factor * dot(direction, solved));
-    solution.iter_mut().zip(solved).for_each(|(value, solved)| *value -= share * solved);
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    /// Solves for a right side, by the factors.
+    fn solved(&self, mut values: Vec<f64>) -> Vec<f64> {
+        for row in 0..values.len() {
+            for k in row.saturating_sub(3)..row {
+                values[row] -= self.rows[row][row - k] * values[k];
+            }
+        }
+        values.iter_mut().zip(&self.rows).for_each(|(value, row)| *value /= row[0]);
+        for row in (0..values.len()).rev() {
+            for k in row.saturating_sub(3)..row {
+                values[k] -= self.rows[row][row - k] * values[row];
+            }
+        }
+        values
+    }
 }

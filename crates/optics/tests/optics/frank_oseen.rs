@@ -116,9 +116,10 @@ fn the_energy_is_that_of_a_capacitor_below_the_threshold_and_less_above() {
     let capacitor = |volts: f64| -0.5 * EPSILON_0 * 5.2 * volts * volts;
     assert!((cell(NEMATIC, 0.0, 0.0, 0.5).energy_pn / capacitor(0.5) - 1.0).abs() < 1e-9);
     assert!(cell(NEMATIC, 0.0, 0.0, 2.0).energy_pn < capacitor(2.0));
-    // The twist of an undriven cell: K22 twist^2/2.
+    // The twist of an undriven cell: K22 twist^2/2, but for chords in place of arcs, a third of (90 deg/400)^2.
     let expected = 0.5 * 6.5 * FRAC_PI_2 * FRAC_PI_2;
-    assert!((cell(NEMATIC, 0.0, 90.0, 0.0).energy_pn / expected - 1.0).abs() < 1e-9);
+    let found = cell(NEMATIC, 0.0, 90.0, 0.0).energy_pn;
+    assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
 }
 
 /// A hybrid cell with equal constants turns evenly; a cell whose tilt at the bottom is above 90 deg turns through the normal.
@@ -147,5 +148,52 @@ fn impossible_cells_are_refused() {
     ];
     for cell in wrong {
         assert!(director(&cell).is_err(), "{cell:?}");
+    }
+}
+
+const HALF_TURN: Nematic = Nematic { elastic_pn: [11.0, 6.0, 17.0], permittivity: [13.0, 4.0] };
+
+/// Half a turn with pretilt joins the same directors as a bend from 2 to 178 deg: the field turns one into the other.
+#[test]
+fn half_a_turn_becomes_a_bend() {
+    let nematic = HALF_TURN;
+    let bend = |volts: f64| {
+        director(&DrivenCell { nematic, tilt_deg: [2.0, 178.0], twist_deg: 0.0, volts }).unwrap()
+    };
+    let half_turn = |volts: f64| cell(nematic, 2.0, 180.0, volts);
+    for volts in [0.0, 1.0, 1.5] {
+        let found = half_turn(volts);
+        assert!(found.energy_pn < bend(volts).energy_pn - 0.1, "{volts}");
+        assert!((found.twist_deg[INTERVALS] - 180.0).abs() < 1e-9, "{volts}");
+    }
+    for volts in [2.0, 3.0, 5.5, 10.0] {
+        let (found, bend) = (half_turn(volts), bend(volts));
+        assert!((found.energy_pn / bend.energy_pn - 1.0).abs() < 1e-9, "{volts}");
+        for (k, (found, bend)) in found.tilt_deg.iter().zip(&bend.tilt_deg).enumerate() {
+            assert!((found - bend).abs() < 1e-4, "{volts} V, {k}: {found} {bend}");
+        }
+    }
+}
+
+/// Two thirds of a turn without a chiral dopant turn into a third of a turn the other way, where the twisted state loses its stability: energies
+/// and tilts of a separate program (numpy: explicit flow downhill, 120 steps of depth).
+#[test]
+fn turns_of_more_than_half_escape_through_the_normal() {
+    let found = cell(HALF_TURN, 5.0, 240.0, 1.35);
+    assert!((found.energy_pn - 19.869).abs() < 0.03 && (middle(&found) - 16.3).abs() < 0.1, "{found:?}");
+    assert!((found.twist_deg[INTERVALS] - 240.0).abs() < 1e-9);
+    let found = cell(HALF_TURN, 5.0, 240.0, 1.4);
+    assert!((found.energy_pn + 25.981).abs() < 0.01 && (middle(&found) - 38.41).abs() < 0.02, "{found:?}");
+    assert!((found.twist_deg[INTERVALS] + 120.0).abs() < 1e-9);
+    // The energy falls by the charge: its slope in the squared voltage is half of the capacity.
+    for volts in [1.2, 1.5, 2.0, 4.0] {
+        let at = |volts: f64| cell(HALF_TURN, 5.0, 240.0, volts);
+        let [below, found, above] = [0.99, 1.0, 1.01].map(|factor| at(factor * volts));
+        let inverse = found.tilt_deg.iter().map(|tilt| 1.0 / (4.0 + 9.0 * tilt.to_radians().sin().powi(2)));
+        let inverse: Vec<f64> = inverse.collect();
+        let integral =
+            (inverse.iter().sum::<f64>() - 0.5 * (inverse[0] + inverse[INTERVALS])) / INTERVALS as f64;
+        let slope = (above.energy_pn - below.energy_pn) / (volts * volts * (1.01 * 1.01 - 0.99 * 0.99));
+        assert!((slope / (-0.5 * EPSILON_0 / integral) - 1.0).abs() < 2e-3, "{volts}: {slope}");
     }
 }
