@@ -3,13 +3,13 @@
 //! **Model.** Between two plane electrodes the director `n` depends on depth only, and is fixed at the surfaces (strong anchoring). It is a
 //! minimum of the free energy at this voltage, per area
 //!
-//! `integral of [K11 n_z'^2 + K22 s^2 + K33 (n_x'^2 + n_y'^2 - s^2)]/2 dz - epsilon_0 U^2/2 / (integral of dz/epsilon(n_z))`,
+//! `integral of [K11 n_z'^2 + K22 (s - q)^2 + K33 (n_x'^2 + n_y'^2 - s^2)]/2 dz - epsilon_0 U^2/2 / (integral of dz/epsilon(n_z))`,
 //!
-//! with the twist `s = n_x n_y' - n_y n_x'` and the permittivity `epsilon` along the normal, whose integral follows from `D = const`.
+//! with the twist `s = n_x n_y' - n_y n_x'`, the natural twist `q` of a chiral dopant, and the permittivity `epsilon` along the normal, whose integral follows from `D = const`.
 //!
 //! **Which minimum.** The one that a drive reaches whose voltage rises from 0: cells that turn by 180 deg or more may have others, of less
 //! energy, behind a barrier. Among two equivalent ones of a cell without pretilt, the one with a positive change of tilt is found. A cell
-//! without twist stays in its plane.
+//! without twist or dopant stays in its plane.
 //!
 //! **Parameters.** Elastic constants in pN, relative permittivities at the frequency of the drive (usually 1 kHz), volts rms. The thickness does not
 //! matter: lengths are fractions of the gap.
@@ -19,7 +19,7 @@
 //! director that turns by more than 180 deg escapes from its twist. The field couples all depths, by one term of rank one; the rest of the
 //! Hessian matrix is a band.
 //!
-//! **Validity.** No flexoelectricity, ions, chiral dopant, finite anchoring, flow or change of the order.
+//! **Validity.** No flexoelectricity, ions, finite anchoring, flow or change of the order.
 //!
 //! Source: F. C. Frank, Discuss. Faraday Soc. 25, 19 (1958); H. J. Deuling, Mol. Cryst. Liq. Cryst. 19, 123 (1972); I. W. Stewart, "The Static
 //! and Dynamic Continuum Theory of Liquid Crystals" (2004), chapter 3.
@@ -70,6 +70,8 @@ pub struct DrivenCell {
     pub tilt_deg: [f64; 2],
     /// Turn of the azimuth from the top to the bottom, degrees.
     pub twist_deg: f64,
+    /// The same turn of the liquid crystal by itself, with a chiral dopant: 360 times the gap over the pitch.
+    pub natural_twist_deg: f64,
     /// Voltage, rms.
     pub volts: f64,
 }
@@ -90,7 +92,7 @@ pub struct Profile {
 /// ```
 /// use papilio_optics::frank_oseen::{DrivenCell, Nematic, director};
 /// let nematic = Nematic { elastic_pn: [10.0, 7.0, 15.0], permittivity: [15.0, 5.0] };
-/// let cell = DrivenCell { nematic, tilt_deg: [0.0; 2], twist_deg: 0.0, volts: 1.0 };
+/// let cell = DrivenCell { nematic, tilt_deg: [0.0; 2], twist_deg: 0.0, natural_twist_deg: 0.0, volts: 1.0 };
 /// // Freedericksz: nothing moves below pi sqrt(K11/(epsilon_0 Delta epsilon)) = 1.0558 V.
 /// assert!(director(&cell)?.tilt_deg[200].abs() < 1e-6);
 /// // Just above, sin^2 of the tilt in the middle is 4 (V/V0 - 1)/(K33/K11 + Delta epsilon/epsilon_perpendicular): 12.6 degrees.
@@ -109,6 +111,7 @@ pub fn director(cell: &DrivenCell) -> Result<Profile, OpticsError> {
         (is_positive(&permittivity), "permittivities", "numbers above 0"),
         (cell.tilt_deg.iter().all(|tilt| tilt.abs() <= 180.0), "tilts", "-180 to 180 degrees"),
         (cell.twist_deg.is_finite(), "twist", "a finite angle"),
+        (cell.natural_twist_deg.is_finite(), "natural twist", "a finite angle"),
         (cell.volts.is_finite() && cell.volts >= 0.0, "volts", "0 or more"),
     ];
     for (is_right, what, expected) in checks {
@@ -116,8 +119,13 @@ pub fn director(cell: &DrivenCell) -> Result<Profile, OpticsError> {
             return Err(OpticsError::Axis { what, expected });
         }
     }
-    let mut problem =
-        Problem { elastic: elastic_pn, permittivity, is_planar: cell.twist_deg == 0.0, square_volts: 0.0 };
+    let mut problem = Problem {
+        elastic: elastic_pn,
+        permittivity,
+        natural_twist: cell.natural_twist_deg.to_radians(),
+        is_planar: cell.twist_deg == 0.0 && cell.natural_twist_deg == 0.0,
+        square_volts: 0.0,
+    };
     let [top, bottom] = cell.tilt_deg.map(f64::to_radians);
     // Upwards from a flat director, away from the normal from a standing one; the reverse of both where it points down.
     let mean = 0.5 * (top + bottom);
@@ -178,6 +186,7 @@ fn angles(directors: &[Vector], first_tilt: f64) -> Vec<[f64; 2]> {
 struct Problem {
     elastic: [f64; 3],
     permittivity: [f64; 2],
+    natural_twist: f64,
     /// Whether the azimuth is fixed.
     is_planar: bool,
     square_volts: f64,
@@ -215,20 +224,23 @@ impl Problem {
 
     fn energy(&self, directors: &[Vector]) -> f64 {
         let [splay, twist, bend] = self.elastic;
+        let (count, natural) = (INTERVALS as f64, self.natural_twist);
         let of_pair = |pair: &[Vector]| {
             let (a, b) = (pair[0], pair[1]);
             let [x, y, z] = [0, 1, 2].map(|axis: usize| b[axis] - a[axis]);
             let turn = a[0] * b[1] - a[1] * b[0];
-            splay * z * z + bend * (x * x + y * y) + (twist - bend) * turn * turn
+            let straight = splay * z * z + bend * (x * x + y * y);
+            0.5 * count * (straight + (twist - bend) * turn * turn) - twist * natural * turn
         };
         let elastic: f64 = directors.windows(2).map(of_pair).sum();
-        0.5 * INTERVALS as f64 * elastic + self.of_field() / self.integral(directors)
+        elastic + 0.5 * twist * natural * natural + self.of_field() / self.integral(directors)
     }
 
     fn expansion(&self, directors: &[Vector]) -> Expansion {
         let (count, inner) = (directors.len(), directors.len() - 2);
         let frames: Vec<_> = directors.iter().copied().map(frame).collect();
         let [splay, twist, bend] = self.elastic.map(|k| k * INTERVALS as f64);
+        let natural = self.elastic[1] * self.natural_twist;
         let stiff = |u: &Vector, v: &Vector| bend * (u[0] * v[0] + u[1] * v[1]) + splay * u[2] * v[2];
         let mut slopes = vec![[0.0; 3]; count];
         // Of each director with itself, in the order of a symmetric matrix's lower half, and with the next one.
@@ -236,14 +248,14 @@ impl Problem {
         for k in 0..INTERVALS {
             let (a, b) = (directors[k], directors[k + 1]);
             let change = [0, 1, 2].map(|axis: usize| b[axis] - a[axis]);
-            let turn = a[0] * b[1] - a[1] * b[0];
+            let torque = (twist - bend) * (a[0] * b[1] - a[1] * b[0]) - natural;
             // Changes of the turn with both directors.
             let turns = [[b[1], -b[0], 0.0], [-a[1], a[0], 0.0]];
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let (slope, by) = (&mut slopes[k + side], turns[side]);
                 let straight = [bend * change[0], bend * change[1], splay * change[2]];
                 for axis in 0..3 {
-                    slope[axis] += sign * straight[axis] + (twist - bend) * turn * by[axis];
+                    slope[axis] += sign * straight[axis] + torque * by[axis];
                 }
                 let along = frames[k + side].map(|direction| dot(&by, &direction));
                 for (value, [i, j]) in own[k + side].iter_mut().zip([[0, 0], [1, 0], [1, 1]]) {
@@ -253,8 +265,8 @@ impl Problem {
             }
             for (i, u) in frames[k].iter().enumerate() {
                 for (j, v) in frames[k + 1].iter().enumerate() {
-                    let both = dot(&turns[0], u) * dot(&turns[1], v) + turn * (u[0] * v[1] - u[1] * v[0]);
-                    next[k][i][j] = (twist - bend) * both - stiff(u, v);
+                    let both = (twist - bend) * dot(&turns[0], u) * dot(&turns[1], v);
+                    next[k][i][j] = both + torque * (u[0] * v[1] - u[1] * v[0]) - stiff(u, v);
                 }
             }
         }

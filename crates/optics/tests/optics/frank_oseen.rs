@@ -9,24 +9,32 @@ const NEMATIC: Nematic = Nematic { elastic_pn: [11.0, 6.5, 17.0], permittivity: 
 const NEGATIVE: Nematic = Nematic { elastic_pn: [16.7, 7.0, 18.1], permittivity: [3.6, 7.8] };
 
 fn cell(nematic: Nematic, tilt_deg: f64, twist_deg: f64, volts: f64) -> Profile {
-    director(&DrivenCell { nematic, tilt_deg: [tilt_deg; 2], twist_deg, volts }).unwrap()
+    doped(nematic, tilt_deg, [twist_deg, 0.0], volts)
+}
+
+/// With this twist, and natural one.
+fn doped(nematic: Nematic, tilt_deg: f64, twists_deg: [f64; 2], volts: f64) -> Profile {
+    let [twist_deg, natural_twist_deg] = twists_deg;
+    director(&DrivenCell { nematic, tilt_deg: [tilt_deg; 2], twist_deg, natural_twist_deg, volts }).unwrap()
 }
 
 fn middle(profile: &Profile) -> f64 {
     profile.tilt_deg[INTERVALS / 2]
 }
 
-/// Freedericksz thresholds of splay, of bend and of a twisted cell (F. M. Leslie, Mol. Cryst. Liq. Cryst. 12, 57 (1970)).
+/// Freedericksz thresholds of splay, of bend and of twisted cells, without and with a chiral dopant (F. M. Leslie, Mol. Cryst. Liq. Cryst. 12,
+/// 57 (1970); E. P. Raynes, Mol. Cryst. Liq. Cryst. Lett. 4, 1 (1986)).
 #[test]
 fn directors_move_above_the_threshold_only() {
     let [splay, twist, bend] = NEMATIC.elastic_pn;
     let difference = NEMATIC.permittivity[0] - NEMATIC.permittivity[1];
     let threshold = |elastic: f64, difference: f64| PI * (elastic / (EPSILON_0 * difference)).sqrt();
-    for turn_deg in [0.0_f64, 45.0, 90.0] {
-        let turn = (turn_deg / 180.0).powi(2);
-        let volts = threshold(splay + (bend - 2.0 * twist) * turn, difference);
-        assert!(middle(&cell(NEMATIC, 0.0, turn_deg, 0.998 * volts)).abs() < 1e-3, "{turn_deg}");
-        assert!(middle(&cell(NEMATIC, 0.0, turn_deg, 1.002 * volts)) > 2.0, "{turn_deg}");
+    for twists in [[0.0_f64, 0.0], [45.0, 0.0], [90.0, 0.0], [90.0, 60.0], [-240.0, -250.0], [60.0, -20.0]] {
+        let [turn, natural] = twists.map(|turn_deg: f64| turn_deg / 180.0);
+        let elastic = splay + (bend - 2.0 * twist) * turn * turn + 2.0 * twist * turn * natural;
+        let volts = threshold(elastic, difference);
+        assert!(middle(&doped(NEMATIC, 0.0, twists, 0.998 * volts)).abs() < 1e-3, "{twists:?}");
+        assert!(middle(&doped(NEMATIC, 0.0, twists, 1.002 * volts)) > 2.0, "{twists:?}");
     }
     let volts = threshold(NEGATIVE.elastic_pn[2], 7.8 - 3.6);
     assert!((middle(&cell(NEGATIVE, 90.0, 0.0, 0.998 * volts)) - 90.0).abs() < 1e-3);
@@ -120,6 +128,8 @@ fn the_energy_is_that_of_a_capacitor_below_the_threshold_and_less_above() {
     let expected = 0.5 * 6.5 * FRAC_PI_2 * FRAC_PI_2;
     let found = cell(NEMATIC, 0.0, 90.0, 0.0).energy_pn;
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    let found = doped(NEMATIC, 0.0, [90.0, 45.0], 0.0).energy_pn;
+    assert!((found / (0.25 * expected) - 1.0).abs() < 4e-5, "{found} {expected}");
 }
 
 /// A hybrid cell with equal constants turns evenly; a cell whose tilt at the bottom is above 90 deg turns through the normal.
@@ -127,7 +137,13 @@ fn the_energy_is_that_of_a_capacitor_below_the_threshold_and_less_above() {
 fn hybrid_and_bend_cells_turn_between_their_surfaces() {
     let equal = Nematic { elastic_pn: [10.0; 3], permittivity: [10.0, 5.0] };
     for (top, bottom) in [(0.0, 90.0), (5.0, 175.0), (-20.0, 20.0)] {
-        let cell = DrivenCell { nematic: equal, tilt_deg: [top, bottom], twist_deg: 0.0, volts: 0.0 };
+        let cell = DrivenCell {
+            nematic: equal,
+            tilt_deg: [top, bottom],
+            twist_deg: 0.0,
+            natural_twist_deg: 0.0,
+            volts: 0.0,
+        };
         let found = director(&cell).unwrap().tilt_deg;
         for (k, tilt) in found.iter().enumerate() {
             let expected = top + (bottom - top) * k as f64 / INTERVALS as f64;
@@ -138,7 +154,13 @@ fn hybrid_and_bend_cells_turn_between_their_surfaces() {
 
 #[test]
 fn impossible_cells_are_refused() {
-    let good = DrivenCell { nematic: NEMATIC, tilt_deg: [0.0; 2], twist_deg: 0.0, volts: 1.0 };
+    let good = DrivenCell {
+        nematic: NEMATIC,
+        tilt_deg: [0.0; 2],
+        twist_deg: 0.0,
+        natural_twist_deg: 0.0,
+        volts: 1.0,
+    };
     let wrong = [
         DrivenCell { nematic: Nematic { elastic_pn: [0.0, 1.0, 1.0], ..NEMATIC }, ..good },
         DrivenCell { nematic: Nematic { permittivity: [1.0, -1.0], ..NEMATIC }, ..good },
@@ -158,7 +180,14 @@ const HALF_TURN: Nematic = Nematic { elastic_pn: [11.0, 6.0, 17.0], permittivity
 fn half_a_turn_becomes_a_bend() {
     let nematic = HALF_TURN;
     let bend = |volts: f64| {
-        director(&DrivenCell { nematic, tilt_deg: [2.0, 178.0], twist_deg: 0.0, volts }).unwrap()
+        director(&DrivenCell {
+            nematic,
+            tilt_deg: [2.0, 178.0],
+            twist_deg: 0.0,
+            natural_twist_deg: 0.0,
+            volts,
+        })
+        .unwrap()
     };
     let half_turn = |volts: f64| cell(nematic, 2.0, 180.0, volts);
     for volts in [0.0, 1.0, 1.5] {
@@ -185,6 +214,9 @@ fn turns_of_more_than_half_escape_through_the_normal() {
     let found = cell(HALF_TURN, 5.0, 240.0, 1.4);
     assert!((found.energy_pn + 25.981).abs() < 0.01 && (middle(&found) - 38.41).abs() < 0.02, "{found:?}");
     assert!((found.twist_deg[INTERVALS] + 120.0).abs() < 1e-9);
+    // With a dopant, the turn stays: the display of a supertwisted cell.
+    let stays = doped(HALF_TURN, 5.0, [240.0, 250.0], 2.5);
+    assert!((stays.twist_deg[INTERVALS] - 240.0).abs() < 1e-9 && middle(&stays) > 45.0, "{stays:?}");
     // The energy falls by the charge: its slope in the squared voltage is half of the capacity.
     for volts in [1.2, 1.5, 2.0, 4.0] {
         let at = |volts: f64| cell(HALF_TURN, 5.0, 240.0, volts);

@@ -4,7 +4,8 @@ use super::codes::Codes;
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{
     AxisAngle, Biaxiality, BottomTilt, Count, CrystalThickness, ElasticConstant, HelixPitch, Index,
-    Nanometres, Permittivity, PositiveShare, Retardance, RetardanceRatio, Share, Tilt, Twist, Volts,
+    Nanometres, NaturalPitch, Permittivity, PositiveShare, Retardance, RetardanceRatio, Share, Tilt, Twist,
+    Volts,
 };
 use crate::grammar::{choice, forms, kinds, table};
 use crate::read::{Named, Spanned};
@@ -144,6 +145,9 @@ table! {
         epsilon_parallel as "Permittivity along the director": Option<Permittivity>,
         /// Relative permittivity across the director.
         epsilon_perpendicular as "Permittivity across the director": Option<Permittivity>,
+        /// Natural pitch of a liquid crystal with a chiral dopant, for states by voltage; positive: it turns as a
+        /// positive `twist_deg`. Default: no dopant.
+        pitch_um as "Natural pitch": Option<NaturalPitch>,
         /// The director in each state: `{ volts }`, `{ tilt_deg, twist_deg }`, or a file (CSV: depth, tilt_deg, twist_deg). Default: one
         /// state, `cell` (`pixel` if the display has no cell).
         states: Named<CellState> = Named(Vec::new()),

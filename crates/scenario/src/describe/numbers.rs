@@ -316,6 +316,10 @@ number!(
     CrystalThickness, Range::above_0_to(5000.0).unit("um")
 );
 number!(
+    /// The natural pitch of a liquid crystal with a chiral dopant, um: above 0 counter-clockwise.
+    NaturalPitch, Range::from_to(-1e4, 1e4).unit("um")
+);
+number!(
     /// The pitch of a helix, nm.
     HelixPitch, Range::from_to(50.0, 1e5).unit("nm")
 );

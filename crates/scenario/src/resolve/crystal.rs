@@ -331,9 +331,19 @@ impl Resolver<'_> {
         let (rub_deg, usual) = (rub_deg?, (pretilt_deg?, twist_deg?));
         let nematic = self.nematic(cell)?;
         let is_driven = |state: &Item<CellState>| matches!(&state.value.value, CellState::Uniform(own) if own.volts.is_some());
-        if cell.pretilt_bottom_deg.is_some() && !cell.states.0.iter().any(is_driven) {
+        if !cell.states.0.iter().any(is_driven) {
             let why = "it is for states by voltage, and no state of this cell has `volts`";
-            self.without_effect(cell.pretilt_bottom_deg.origin, "pretilt_bottom_deg", why);
+            if cell.pretilt_bottom_deg.is_some() {
+                self.without_effect(cell.pretilt_bottom_deg.origin, "pretilt_bottom_deg", why);
+            }
+            if cell.pitch_um.is_some() {
+                self.without_effect(cell.pitch_um.origin, "pitch_um", why);
+            }
+        }
+        if cell.pitch_um.value.as_ref().is_some_and(|pitch| pitch.0 == 0.0) {
+            let wrong = Diagnostic::new("a helix has no pitch of 0").expected("a length above or below 0");
+            self.err(&cell.pitch_um, wrong.hint("leave out `pitch_um` if there is no chiral dopant"));
+            return None;
         }
         let birefringence = indices
             .iter()
@@ -406,7 +416,15 @@ impl Resolver<'_> {
                 return None;
             };
             let bottom = cell.pretilt_bottom_deg.value.as_ref().map_or(tilt_deg, |tilt| tilt.0);
-            let driven = DrivenCell { nematic, tilt_deg: [tilt_deg, bottom], twist_deg, volts: volts.0 };
+            let turns = cell.pitch_um.value.as_ref().map_or(0.0, |pitch| cell.gap_um.0 / pitch.0);
+            let natural_twist_deg = 360.0 * turns;
+            let driven = DrivenCell {
+                nematic,
+                tilt_deg: [tilt_deg, bottom],
+                twist_deg,
+                natural_twist_deg,
+                volts: volts.0,
+            };
             let profile = match director(&driven) {
                 Ok(profile) => profile,
                 Err(error) => {

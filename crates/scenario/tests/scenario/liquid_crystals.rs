@@ -130,6 +130,29 @@ fn directors_follow_from_voltages() {
     close(tilt_deg(2, 10), 3.0);
 }
 
+/// A supertwisted cell keeps its turn at any voltage with a chiral dopant of its natural pitch, and loses it without or with one of the wrong hand.
+#[test]
+fn a_chiral_dopant_holds_the_turn() {
+    let azimuth_deg = |pitch: &str| {
+        let cell = GOOD
+            .replace("twist_deg = 63.6", "twist_deg = 240")
+            .replace(
+                "pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } }",
+                &format!(
+                    "pretilt_deg = 5, K11_pN = 11, K22_pN = 6, K33_pN = 17, epsilon_parallel = 13, epsilon_perpendicular = 4, \
+                     {pitch} states = {{ white = {{ volts = 2.5 }} }}"
+                ),
+            );
+        let axis = pixel(&cell).parts.pop().unwrap().slices[0].last().unwrap().axes[0];
+        axis[1].atan2(axis[0]).to_degrees()
+    };
+    // All have the same director at the bottom: the last slices are those before it, from either side.
+    let [held, free, wrong] = ["pitch_um = 4.6,", "", "pitch_um = -4.6,"].map(azimuth_deg);
+    let end = (5.0_f64 + 240.0).to_radians();
+    let before = |azimuth_deg: f64| (end - azimuth_deg.to_radians()).sin();
+    assert!(before(held) > 0.0 && before(free) < 0.0 && before(wrong) < 0.0, "{held} {free} {wrong}");
+}
+
 /// Turns of a helix are one list of slices that repeats; a focal conic state has none of it, but an isotropic layer of the same thickness.
 #[test]
 fn cholesteric_layers_have_textures() {
@@ -216,6 +239,7 @@ fn keys_without_effect_have_a_warning() {
             "pretilt_deg = 2, pretilt_bottom_deg = 4",
             "stack.7.pretilt_bottom_deg has no effect",
         ),
+        ("pretilt_deg = 2", "pretilt_deg = 2, pitch_um = 5", "stack.7.pitch_um has no effect"),
     ] {
         let text = GOOD.replacen(from, to, 1);
         let resolved = resolve(&text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}"));
@@ -236,6 +260,7 @@ fn mistakes_are_explained() {
         ("n_o = 1.50, n_e = 1.60", "liquid_crystal = \"E8\"", "there is no liquid crystal `E8`"),
         ("n_o = 1.50, ", "n_o = 1.50, liquid_crystal = \"E7\", ", "cannot be combined"),
         ("black = { twist_deg = 60 }", "black = {}", "the state `black` has no director"),
+        ("pretilt_deg = 2", "pretilt_deg = 2, pitch_um = 0", "a helix has no pitch of 0"),
         ("material = 1.52 }", "material = 1.52, thickness_nm = 500 }", "write `thickness_um`, in this unit"),
         (
             "[display.pixel]",
