@@ -4,7 +4,7 @@
 //! are escaped, so that a terminal does not execute them. In JSON the escape sequence means the same
 //! character.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -57,10 +57,19 @@ pub(crate) fn print_notes(notes: &[String]) {
 
 /// Prints warnings of a number of results, each once with how many of them it concerns.
 pub(crate) fn print_counted<'a>(warnings: impl Iterator<Item = &'a str>, all: usize, what: &str) {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    warnings.for_each(|warning| *counts.entry(warning).or_default() += 1);
-    for (warning, count) in counts {
-        print_message(&format!("warning: at {count} of {all} {what}: {warning}"));
+    // Those that differ in numbers and names alone are one.
+    let mut counts: BTreeMap<String, (usize, BTreeSet<&str>)> = BTreeMap::new();
+    for warning in warnings {
+        let words = warning.split('`').step_by(2).collect::<String>();
+        let words = words.split(|c: char| c.is_ascii_digit() || c == '.').collect::<String>();
+        let (count, texts) = counts.entry(words).or_default();
+        *count += 1;
+        texts.insert(warning);
+    }
+    for (count, texts) in counts.into_values() {
+        let (first, others) = (texts.first().copied().unwrap_or_default(), texts.len() - 1);
+        let such_as = if others > 0 { ", such as" } else { "" };
+        print_message(&format!("warning: at {count} of {all} {what}{such_as}: {first}"));
     }
 }
 

@@ -14,7 +14,7 @@
 
 use std::sync::LazyLock;
 
-use papilio_spectra::{Grid, LightSpectrum, LineSpectrum, Spectrum, sum_of_products};
+use papilio_spectra::{EveryNm, Grid, LightSpectrum, Spectrum, sum_of_products};
 
 use crate::{ColourError, D65_UV, UvPrime, Xyz};
 
@@ -111,7 +111,7 @@ impl Observer {
 
     /// Computes the luminance or illuminance of a light, from its means over 1 nm if it has lines.
     pub fn luminance_of_light(&self, light: &LightSpectrum) -> f64 {
-        let of_lines = |lines: &LineSpectrum| Some(Self::new(&lines.grid).ok()?.luminance(&lines.means));
+        let of_lines = |lines: &EveryNm| Some(Self::new(&lines.grid).ok()?.luminance(&lines.values));
         light.lines().map_or_else(|| self.luminance(light), |lines| of_lines(lines).unwrap_or(0.0))
     }
 
@@ -129,15 +129,15 @@ impl Observer {
     }
 
     /// Computes the weights with which reflectances at the wavelengths of `grid` contribute to X, Y and Z of
-    /// the light that they reflect. This observer is that of `lines.grid`. The unit is that of the light
+    /// the light that they reflect. This observer is that of `light.grid`. The unit is that of the light
     /// times nm.
-    pub fn of_light(&self, lines: &LineSpectrum, grid: &Grid, between: Between) -> [Vec<f64>; 3] {
-        debug_assert_eq!(self.weight[0].len(), lines.means.len());
+    pub fn of_light(&self, light: &EveryNm, grid: &Grid, between: Between) -> [Vec<f64>; 3] {
+        debug_assert_eq!(self.weight[0].len(), light.values.len());
         let mut weights = [(); 3].map(|()| vec![0.0; grid.len()]);
-        for (l, nm) in lines.grid.wavelengths_nm().into_iter().enumerate() {
+        for (l, nm) in light.grid.wavelengths_nm().into_iter().enumerate() {
             for (i, share) in between.shares(grid, nm) {
                 for (weights, bar) in weights.iter_mut().zip(&self.weight) {
-                    weights[i] += share * bar[l] * lines.means[l];
+                    weights[i] += share * bar[l] * light.values[l];
                 }
             }
         }
@@ -293,7 +293,7 @@ mod tests {
     fn weights_of_a_light_with_lines_equal_summation_at_1_nm() {
         let (coarse, fine) = (grid(380.0, 780.0, 5.0), grid(380.0, 780.0, 1.0));
         let lines = |nm: f64| if [405.0, 436.0, 546.0, 578.0, 611.0].contains(&nm) { 50.0 } else { 0.3 };
-        let own = LineSpectrum { grid: fine, means: Spectrum::from_fn(&fine, lines) };
+        let own = EveryNm { grid: fine, values: Spectrum::from_fn(&fine, lines) };
         let observer = Observer::new(&fine).unwrap();
         type Reflectance = fn(f64) -> f64;
         let cases: [(Between, Reflectance); 2] = [

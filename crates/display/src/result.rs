@@ -154,8 +154,8 @@ pub struct State {
     /// Discretisation error of each value, from the difference to the next coarser level (adding).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discretisation_error: Option<StateValues>,
-    /// Estimated errors of X, Y and Z because reflectances are known only at the wavelengths of the grid; only in light with
-    /// lines narrower than the step.
+    /// Estimated errors of X, Y and Z because lights and reflectances are known only at the wavelengths of the grid; only if
+    /// its step is above 1 nm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interpolation_error: Option<XyzError>,
 }

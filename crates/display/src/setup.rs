@@ -14,7 +14,7 @@ use papilio_colour::{Between, Observer, Standard};
 use papilio_optics::Beta;
 use papilio_optics::film::Coating;
 use papilio_optics::rough::Rough;
-use papilio_spectra::{LightSpectrum, LineSpectrum, Spectrum};
+use papilio_spectra::{EveryNm, LightSpectrum, Spectrum};
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Approximation, Base, Cone, Interface, Layer, Medium, MuellerByDirection, NotAPanel, ReflectanceFactor,
@@ -75,6 +75,9 @@ pub(crate) struct Light {
     pub(crate) term: usize,
     /// Weights of reflectances if it has lines narrower than the step of the grid.
     pub(crate) lines: Option<LineWeights>,
+    /// Weights of reflectances at the wavelengths of the grid in X, Y and Z, in the unit of its irradiance times nm, from the light at
+    /// every nanometre and reflectances [`between`] the wavelengths; `None` if it is known only on the grid.
+    pub(crate) every_nm: Option<[Vec<f64>; 3]>,
 }
 
 /// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with
@@ -83,10 +86,23 @@ pub(crate) struct Light {
 pub(crate) struct LineWeights {
     /// X, Y and Z of the reported colours, for reflectances that are linear between the wavelengths.
     pub(crate) xyz: [Vec<f64>; 3],
-    /// The same for cubic interpolation: the difference estimates the error of the linear one.
-    pub(crate) cubic: [Vec<f64>; 3],
     /// Y of CIE 1931, for luminances.
     pub(crate) y_1931: Vec<f64>,
+}
+
+/// Returns how reflectances are estimated to run between the wavelengths of the grid: tables are linear there (the scenario compares
+/// those with more points); interference and scattering in volumes make them curved.
+fn between(scene: &Scene) -> Between {
+    let display = &scene.display;
+    let interferes = matches!(display.pixel, scene::Pixel::Film(_) | scene::Pixel::Crystal(_));
+    let is_curved = |layer: &scene::Layer| {
+        matches!(layer.interface, scene::Interface::Coating(_) | scene::Interface::OfSurface(_))
+            || layer.medium.scattering.is_some()
+    };
+    match interferes || display.layers.iter().any(is_curved) {
+        true => Between::Cubic,
+        false => Between::Linear,
+    }
 }
 
 impl Light {
@@ -98,23 +114,26 @@ impl Light {
         scene: &Scene,
         observer: &Observer,
     ) -> Result<Self, DisplayError> {
-        let Some(own) = spectrum.lines() else {
+        let Some(own) = spectrum.every_nm() else {
             let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
-            return Ok(Self { irradiance, illuminance_lx, term, lines: None });
+            return Ok(Self { irradiance, illuminance_lx, term, lines: None, every_nm: None });
         };
-        let means = Observer::new(&own.grid)?.scale_to_illuminance(&own.means, illuminance_lx)?;
-        let scale = means.max() / own.means.max();
-        let lines = LineSpectrum { grid: own.grid, means };
-        let observer = Observer::of(scene.metrics.observer, &own.grid)?;
-        let weights = LineWeights {
-            xyz: observer.of_light(&lines, &scene.grid, Between::Linear),
-            cubic: observer.of_light(&lines, &scene.grid, Between::Cubic),
-            y_1931: {
-                let [_, y, _] = Observer::new(&own.grid)?.of_light(&lines, &scene.grid, Between::Linear);
-                y
-            },
+        let luminous = Observer::new(&own.grid)?;
+        let values = luminous.scale_to_illuminance(&own.values, illuminance_lx)?;
+        let scale = values.max() / own.values.max();
+        let light = EveryNm { grid: own.grid, values };
+        let seen = Observer::of(scene.metrics.observer, &own.grid)?;
+        let lines = spectrum.lines().map(|_| {
+            let [_, y_1931, _] = luminous.of_light(&light, &scene.grid, Between::Linear);
+            LineWeights { xyz: seen.of_light(&light, &scene.grid, Between::Linear), y_1931 }
+        });
+        let irradiance = match lines {
+            Some(_) => spectrum.map(|e| e * scale),
+            None => observer.scale_to_illuminance(spectrum, illuminance_lx)?,
         };
-        Ok(Self { irradiance: spectrum.map(|e| e * scale), illuminance_lx, term, lines: Some(weights) })
+        let every_nm =
+            (scene.grid.step_nm() > 1.0).then(|| seen.of_light(&light, &scene.grid, between(scene)));
+        Ok(Self { irradiance, illuminance_lx, term, lines, every_nm })
     }
 }
 

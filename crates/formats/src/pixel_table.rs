@@ -45,9 +45,20 @@ impl PixelTable {
     /// # Errors
     /// If the table does not cover the grid, or its lengths are inconsistent.
     pub fn spectra(&self, state: usize, grid: &Grid) -> Result<Vec<Spectrum>, SpectraError> {
+        self.rows(state)
+            .map(|row| Tabulated::new(self.wavelength_nm.clone(), row.to_vec())?.on(grid))
+            .collect()
+    }
+
+    /// Reflectance of a state in one direction, by its number in the table; `None` if there is none.
+    pub fn spectrum(&self, state: usize, direction: usize) -> Option<Tabulated> {
+        Tabulated::new(self.wavelength_nm.clone(), self.rows(state).nth(direction)?.to_vec()).ok()
+    }
+
+    /// Spectra of a state, one for each direction.
+    fn rows(&self, state: usize) -> impl Iterator<Item = &[f64]> {
         let values = self.states.get(state).map_or(&[][..], |(_, values)| values);
-        let spectra = values.chunks(self.wavelength_nm.len().max(1));
-        spectra.map(|row| Tabulated::new(self.wavelength_nm.clone(), row.to_vec())?.on(grid)).collect()
+        values.chunks(self.wavelength_nm.len().max(1))
     }
 
     /// Writes `state,theta_deg,wavelength_nm,reflectance`, with `phi_deg` if there are azimuths. Reading the numbers returns the same bits.

@@ -43,7 +43,7 @@ pub use illuminant::{
     IlluminantInfo, daylight, illuminant, illuminant_info, illuminant_name, illuminant_names,
     illuminants_called, named_daylight_k, ohno_led, planck,
 };
-pub use light::{LightSpectrum, LineSpectrum};
+pub use light::{EveryNm, LightSpectrum};
 pub use liquid_crystal::{LIQUID_CRYSTAL_RANGE_NM, LiquidCrystal, liquid_crystal, liquid_crystal_names};
 pub use material::{material, material_info, material_names, materials_called};
 pub use primaries::srgb_primaries;

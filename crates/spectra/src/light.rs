@@ -1,10 +1,13 @@
-//! Spectrum of a light on the grid of a computation, with its own finer spectrum if it has narrow lines.
+//! Spectrum of a light on the grid of a computation, with its own finer spectrum.
 //!
-//! A light without narrow lines is known by its values at the wavelengths of the grid, and linear between
-//! them. A light with lines narrower than the step of the grid also has its means over 1 nm, at integer
+//! A light without narrow lines is represented by its values at the wavelengths of the grid, and linear between
+//! them. A light with lines narrower than the step of the grid is represented by its means over 1 nm, at integer
 //! wavelengths. Its values on the grid are then means over bands of the grid, so that the sum over the grid
 //! is that of the light. Colours are computed from the means over 1 nm
 //! (`papilio_colour::Observer::of_light`).
+//!
+//! Any light may have its own spectrum at integer wavelengths, from which the error of sums over the grid is
+//! estimated.
 //!
 //! **Means over bands.** The mean at a wavelength of the grid is weighted by the triangle that is 1 there and
 //! 0 at the neighbours: the weight with which linear interpolation uses this wavelength.
@@ -18,16 +21,18 @@ use crate::{Grid, SpectraError, Spectrum, Tabulated};
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightSpectrum {
     on_grid: Spectrum,
-    lines: Option<Arc<LineSpectrum>>,
+    every_nm: Option<Arc<EveryNm>>,
+    /// Whether the values on the grid are means over its bands.
+    has_lines: bool,
 }
 
-/// Means of a light over 1 nm.
+/// A light at every nanometre.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LineSpectrum {
+pub struct EveryNm {
     /// Integer wavelengths within the grid of the computation, nm.
     pub grid: Grid,
-    /// Mean at each of them.
-    pub means: Spectrum,
+    /// Value, or mean over 1 nm, at each of them.
+    pub values: Spectrum,
 }
 
 impl LightSpectrum {
@@ -50,12 +55,34 @@ impl LightSpectrum {
         // Every wavelength of a grid whose step is at least 1 nm is within 1 nm of an integer one.
         let on_grid = sums.into_iter().map(|(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 });
         let on_grid = Spectrum::from_values(on_grid.collect());
-        Ok(Self { on_grid, lines: Some(Arc::new(LineSpectrum { grid: own, means })) })
+        let every_nm = Some(Arc::new(EveryNm { grid: own, values: means }));
+        Ok(Self { on_grid, every_nm, has_lines: true })
+    }
+
+    /// Light without narrow lines, which `spectrum` computes on any grid. On a grid of less than 1 nm it is known
+    /// on the grid alone.
+    ///
+    /// # Errors
+    /// Those of `spectrum`.
+    pub fn sampled(
+        grid: &Grid,
+        spectrum: impl Fn(&Grid) -> Result<Spectrum, SpectraError>,
+    ) -> Result<Self, SpectraError> {
+        let on_grid = spectrum(grid)?;
+        let own = grid.integers().ok();
+        let every_nm =
+            own.map(|grid| Ok(Arc::new(EveryNm { grid, values: spectrum(&grid)? }))).transpose()?;
+        Ok(Self { on_grid, every_nm, has_lines: false })
     }
 
     /// Means over 1 nm, if the light has lines narrower than the step of the grid.
-    pub fn lines(&self) -> Option<&LineSpectrum> {
-        self.lines.as_deref()
+    pub fn lines(&self) -> Option<&EveryNm> {
+        self.every_nm().filter(|_| self.has_lines)
+    }
+
+    /// The light at every nanometre, if it is known there.
+    pub fn every_nm(&self) -> Option<&EveryNm> {
+        self.every_nm.as_deref()
     }
 
     /// Light after a filter, whose transmittance `filter` computes on any grid.
@@ -67,16 +94,24 @@ impl LightSpectrum {
         grid: &Grid,
         filter: impl Fn(&Grid) -> Result<Spectrum, SpectraError>,
     ) -> Result<Self, SpectraError> {
-        match &self.lines {
-            None => Ok(filter(grid)?.zip_map(&self.on_grid, |a, b| a * b).into()),
-            Some(lines) => Self::with_lines(grid, filter(&lines.grid)?.zip_map(&lines.means, |a, b| a * b)),
+        let every_nm = self.every_nm().map(|own| {
+            let values = filter(&own.grid)?.zip_map(&own.values, |a, b| a * b);
+            Ok(EveryNm { grid: own.grid, values })
+        });
+        match every_nm.transpose()? {
+            Some(own) if self.has_lines => Self::with_lines(grid, own.values),
+            own => Ok(Self {
+                on_grid: filter(grid)?.zip_map(&self.on_grid, |a, b| a * b),
+                every_nm: own.map(Arc::new),
+                has_lines: false,
+            }),
         }
     }
 }
 
 impl From<Spectrum> for LightSpectrum {
     fn from(on_grid: Spectrum) -> Self {
-        Self { on_grid, lines: None }
+        Self { on_grid, every_nm: None, has_lines: false }
     }
 }
 

@@ -1,7 +1,6 @@
-//! Lights with lines narrower than the step of the grid: the default step of 5 nm against 1 nm, on the same
-//! display.
+//! Steps of the grid against 1 nm, on the same display: lights with lines narrower than the step, smooth lights.
 
-use papilio_display::result::{RunResult, State};
+use papilio_display::result::{RunResult, State, XyzError};
 use papilio_validation::{run, scenario};
 
 fn with(light: &str, more: &[&str]) -> RunResult {
@@ -67,11 +66,60 @@ fn fluorescent_lamp_and_led_have_the_same_colours_at_5_and_1_nm() {
     for light in ["FL11", "TL84", "FL2", "LED-B3"] {
         let (coarse, fine) = (with(light, &[]), with(light, &["spectrum.step_nm=1"]));
         for ((name, a), (_, b)) in states(&coarse).zip(states(&fine)) {
-            assert_eq!(a.interpolation_error, None);
+            assert_eq!(b.interpolation_error, None);
             let (a, b) = (&a.value, &b.value);
             let apart =
                 (a.u_prime.unwrap() - b.u_prime.unwrap()).hypot(a.v_prime.unwrap() - b.v_prime.unwrap());
             assert!(apart < 5e-4 && (a.Y - b.Y).abs() < 5e-4, "{light} {name}: {apart:.1e} {} {}", a.Y, b.Y);
         }
     }
+}
+
+/// A film in smooth light: X, Y and Z in coarse steps against those in steps of 1 nm. The stated error is the difference; it has a
+/// warning above 0.001, and the suggested step is the coarsest that is fine enough.
+#[test]
+fn coarse_steps_have_their_error_and_a_warning_in_every_light() {
+    for light in ["A", "E", "D65"] {
+        let at = |step: f64| {
+            let sets = [format!("lighting.spectrum={light}"), format!("spectrum.step_nm={step}")];
+            run(&scenario("indoor", &sets.each_ref().map(String::as_str)).unwrap().scene).unwrap()
+        };
+        let fine = at(1.0);
+        assert!(fine.warnings.is_empty(), "{light}: {:?}", fine.warnings);
+        let true_error = |coarse: &RunResult| {
+            let errors = states(coarse).zip(states(&fine)).map(|((_, a), (_, b))| {
+                let (a, b) = (&a.value, &b.value);
+                [a.X - b.X, a.Y - b.Y, a.Z - b.Z].into_iter().map(f64::abs).fold(0.0, f64::max)
+            });
+            errors.fold(0.0, f64::max)
+        };
+        for step in [20.0, 10.0, 5.0] {
+            let coarse = at(step);
+            let error = true_error(&coarse);
+            let stated = states(&coarse).map(|(_, state)| {
+                let stated = state.interpolation_error.unwrap();
+                stated.X.max(stated.Y).max(stated.Z)
+            });
+            let stated = stated.fold(0.0, f64::max);
+            assert!((stated / error - 1.0).abs() < 0.12, "{light} {step}: {stated} {error}");
+            let said = coarse.warnings.iter().find(|warning| warning.contains("has an error of about"));
+            assert_eq!(said.is_some(), error > 1e-3, "{light} {step}: {error} {:?}", coarse.warnings);
+            let Some(said) = said else { continue };
+            let finer: f64 = said.split("set spectrum.step_nm = ").nth(1).unwrap().parse().unwrap();
+            assert!(true_error(&at(finer)) < 1e-3 && true_error(&at(2.0 * finer)) > 1e-3, "{light}: {said}");
+        }
+    }
+}
+
+/// Inks given every 10 nm are linear there: a grid of 10 nm has no error in light of equal energy, and no warning.
+#[test]
+#[allow(non_snake_case, reason = "the field's own letters")]
+fn tables_with_all_points_on_the_grid_have_no_error() {
+    let sets = ["lighting.spectrum=E", "spectrum.step_nm=10"];
+    let result = run(&scenario("six-ink", &sets).unwrap().scene).unwrap();
+    for (name, state) in states(&result) {
+        let XyzError { X, Y, Z } = state.interpolation_error.unwrap();
+        assert!(X.max(Y).max(Z) < 1e-6, "{name}: {X} {Y} {Z}");
+    }
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
 }

@@ -4,18 +4,17 @@
 //! X, Y, Z and luminances are sums over the radiance at the wavelengths of the grid. For a light with lines,
 //! weights of reflectances are known from its means over 1 nm ([`LineWeights`](crate::setup::LineWeights));
 //! the differences are collected here, and added. They are linear in reflectances, so that they have
-//! replicates and levels as all other quantities. The difference between cubic and linear interpolation of
-//! reflectances estimates the remaining error.
+//! replicates and levels as all other quantities.
 
 use std::f64::consts::PI;
 
 use crate::setup::{Light, Setup};
 
 /// Number of quantities of each state.
-pub(super) const QUANTITIES: usize = 7;
+pub(super) const QUANTITIES: usize = 4;
 
 /// Corrections of one light for each reflectance factor, `[quantity][wavelength]`, in W/(m2 sr): X, Y, Z, Y
-/// of CIE 1931; then X, Y, Z by cubic minus those by linear interpolation.
+/// of CIE 1931.
 pub(super) struct Corrections([Vec<f64>; QUANTITIES]);
 
 impl Corrections {
@@ -27,17 +26,11 @@ impl Corrections {
             let grid = light.irradiance.iter().zip(bar).map(|(e, bar)| e * bar);
             own.iter().zip(grid).map(|(own, grid)| (own - grid) / PI).collect()
         };
-        let curved = |k: usize| -> Vec<f64> {
-            lines.cubic[k].iter().zip(&lines.xyz[k]).map(|(cubic, linear)| (cubic - linear) / PI).collect()
-        };
         Some(Self([
             beyond(&lines.xyz[0], x),
             beyond(&lines.xyz[1], y),
             beyond(&lines.xyz[2], z),
             beyond(&lines.y_1931, y_1931),
-            curved(0),
-            curved(1),
-            curved(2),
         ]))
     }
 

@@ -90,6 +90,8 @@ struct Weights {
     within: Vec<f64>,
     /// Corrections of X, Y, Z and luminance if the light has narrow lines.
     corrections: Option<Corrections>,
+    /// X, Y and Z from the light at every nanometre, `[wavelength]`, relative to Y of the perfect white in such light.
+    every_nm: [Vec<f64>; 3],
 }
 
 impl<'a> Meter<'a> {
@@ -109,13 +111,24 @@ impl<'a> Meter<'a> {
         let by_light = setup.scene.metrics.spectra_by_light;
         let has_lines = setup.lights.iter().any(|light| light.lines.is_some());
         let corrections = if has_lines { lines::QUANTITIES } else { 0 };
-        let layout = Layout { states: setup.states.len(), bins: grid.len(), terms, by_light, corrections };
+        // X, Y and Z are sums over integer wavelengths: a finer step changes nothing.
+        let every_nm = grid.step_nm() > 1.0;
+        let layout =
+            Layout { states: setup.states.len(), bins: grid.len(), terms, by_light, corrections, every_nm };
         let mut white_xyz = setup.seen_by().xyz(&white);
         for corrections in reference.iter().filter_map(|light| Corrections::new(setup, light)) {
             let [x, y, z, ..] = corrections.of(std::iter::repeat_n(1.0, grid.len()));
             white_xyz = white_xyz + Xyz { x, y, z };
         }
         let total: f64 = reference.iter().map(|light| light.illuminance_lx).sum();
+        // A light that is known only on the grid is the same at every nanometre.
+        let at_every_nm = |light: &Light| -> [Vec<f64>; 3] {
+            let on_grid =
+                |bar: &[f64]| light.irradiance.iter().zip(bar).map(|(e, bar)| e * bar).collect::<Vec<f64>>();
+            light.every_nm.clone().unwrap_or_else(|| setup.seen_by().weights().map(on_grid))
+        };
+        let white_at_every_nm: f64 =
+            reference.iter().map(|light| at_every_nm(light)[1].iter().sum::<f64>()).sum();
         let weights = |light: &Light| {
             let radiance: Vec<f64> = light.irradiance.iter().map(|e| e / PI).collect();
             let over_white =
@@ -126,8 +139,10 @@ impl<'a> Meter<'a> {
                 None => setup.seen_by().weights().map(over_white),
             };
             let within = if by_light { within(setup, light) } else { Vec::new() };
+            let every_nm =
+                at_every_nm(light).map(|own| own.iter().map(|own| own / white_at_every_nm).collect());
             let (share, corrections) = (light.illuminance_lx / total, Corrections::new(setup, light));
-            Weights { xyz, radiance, share, term: light.term, within, corrections }
+            Weights { xyz, radiance, share, term: light.term, within, corrections, every_nm }
         };
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
@@ -208,11 +223,12 @@ impl<'a> Meter<'a> {
         <[f64; lines::QUANTITIES]>::try_from(&sample.0[self.layout.corrections(state)]).ok()
     }
 
-    /// Estimates the errors of X, Y and Z of a state that are caused by linear interpolation of reflectances
-    /// between the wavelengths of the grid under lights with narrow lines; `None` without such lights.
+    /// Estimates the errors of X, Y and Z of a state because lights and reflectances are known only at the wavelengths of
+    /// the grid: the differences from those in the lights at every nanometre; `None` if the step is 1 nm or less.
     fn interpolation_error(&self, state: usize, sample: &Sample) -> Option<[f64; 3]> {
-        let [.., x, y, z] = self.corrections(state, sample)?;
-        Some([x, y, z].map(|error| error.abs() / self.white_xyz.y))
+        let at_every_nm = <[f64; 3]>::try_from(&sample.0[self.layout.every_nm(state)]).ok()?;
+        let on_grid = over(self.xyz(state, sample), self.white_xyz.y).to_array();
+        Some(std::array::from_fn(|k| (at_every_nm[k] - on_grid[k]).abs()))
     }
 
     /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the
@@ -287,6 +303,10 @@ impl<'a> Meter<'a> {
                     let slots = sample[layout.corrections(state)].iter_mut();
                     slots.zip(corrections.of(both)).for_each(|(slot, value)| *slot += value);
                 }
+                for (slot, weights) in layout.every_nm(state).zip(&light.every_nm) {
+                    let both = base.iter().zip(&rho.front).zip(weights);
+                    sample[slot] += both.map(|((base, front), weight)| (base + front) * weight).sum::<f64>();
+                }
                 let luminous = self.luminous[light.term];
                 if luminous > 0.0 {
                     sample[layout.alone(state).start + light.term] += (from_pixel + from_front) / luminous;
@@ -342,18 +362,22 @@ impl<'a> Meter<'a> {
     fn observation(&self, state: usize, mean: &Sample, bare_peak_nm: Option<f64>) -> StateObservation {
         let radiance = &mean.0[self.layout.radiance(state)];
         let factor = self.reflectance_factor(state, &mean.0);
-        let mut xyz = self.setup.seen_by().xyz(radiance);
         let mut luminance_cd_m2 = self.setup.observer.luminance(radiance);
-        if let Some([x, y, z, y_1931, ..]) = self.corrections(state, mean) {
-            xyz = xyz + Xyz { x, y, z };
+        if let Some([.., y_1931]) = self.corrections(state, mean) {
             luminance_cd_m2 += LUMENS_PER_WATT * y_1931;
         }
         StateObservation {
-            xyz: over(xyz, self.white_xyz.y),
+            xyz: over(self.xyz(state, mean), self.white_xyz.y),
             luminance_cd_m2,
             peak_nm: factor.and_then(|factor| peak_nm(&self.grid, &factor)),
             bare_peak_nm,
         }
+    }
+
+    /// Computes X, Y and Z of a state, W/(m2 sr).
+    fn xyz(&self, state: usize, sample: &Sample) -> Xyz {
+        let on_grid = self.setup.seen_by().xyz(&sample.0[self.layout.radiance(state)]);
+        self.corrections(state, sample).map_or(on_grid, |[x, y, z, _]| on_grid + Xyz { x, y, z })
     }
 
     /// Computes the peak wavelength of each state of the pixel alone in the direction of a view, nm.
@@ -383,7 +407,7 @@ impl<'a> Meter<'a> {
         for light in
             self.lights[self.white_lights.clone()].iter().filter_map(|light| light.corrections.as_ref())
         {
-            let [_, _, _, y_1931, ..] = light.of(std::iter::repeat_n(1.0, self.grid.len()));
+            let [.., y_1931] = light.of(std::iter::repeat_n(1.0, self.grid.len()));
             luminance += LUMENS_PER_WATT * y_1931;
         }
         let paper = (over(self.white_xyz, self.white_xyz.y), luminance);

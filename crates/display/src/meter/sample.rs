@@ -64,6 +64,8 @@ pub(crate) struct Layout {
     pub(crate) by_light: bool,
     /// Number of corrections for lights with narrow lines: 0 without such lights.
     pub(crate) corrections: usize,
+    /// Whether X, Y and Z are also computed from the lights at every nanometre.
+    pub(crate) every_nm: bool,
 }
 
 impl Layout {
@@ -74,7 +76,11 @@ impl Layout {
 
     fn per_state(&self) -> usize {
         let alone = if self.by_light { self.terms * self.bins } else { 0 };
-        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER + alone + self.corrections
+        2 * self.bins + 2 * self.terms + 1 + Self::LEDGER + alone + self.corrections + self.of_every_nm()
+    }
+
+    fn of_every_nm(&self) -> usize {
+        if self.every_nm { 3 } else { 0 }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -125,8 +131,14 @@ impl Layout {
 
     /// Corrections for lights with narrow lines (`lines::Corrections`).
     pub(crate) fn corrections(&self, state: usize) -> Range<usize> {
-        let end = (state + 1) * self.per_state();
+        let end = self.every_nm(state).start;
         end - self.corrections..end
+    }
+
+    /// X, Y and Z from the lights at every nanometre, relative to Y of a perfect white; empty unless they are computed.
+    pub(crate) fn every_nm(&self, state: usize) -> Range<usize> {
+        let end = (state + 1) * self.per_state();
+        end - self.of_every_nm()..end
     }
 }
 
@@ -136,8 +148,10 @@ mod tests {
 
     #[test]
     fn layout_has_no_overlaps_and_no_gaps() {
-        for (by_light, corrections) in [(false, 0), (true, 0), (true, 7), (false, 7)] {
-            let layout = Layout { states: 3, bins: 5, terms: 2, by_light, corrections };
+        for (by_light, corrections, every_nm) in
+            [(false, 0, false), (true, 0, true), (true, 4, true), (false, 4, false)]
+        {
+            let layout = Layout { states: 3, bins: 5, terms: 2, by_light, corrections, every_nm };
             let mut used = vec![0; layout.len()];
             for state in 0..3 {
                 let spectra = [layout.radiance(state), layout.factor(state)];
@@ -147,6 +161,7 @@ mod tests {
                     layout.alone(state),
                     layout.ledger(state),
                     layout.corrections(state),
+                    layout.every_nm(state),
                 ];
                 let all = spectra.into_iter().chain(alone).chain(numbers).flatten();
                 all.chain([layout.front_term(state)]).for_each(|k| used[k] += 1);

@@ -18,7 +18,7 @@ mod walk;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use papilio_optics::Beta;
-use papilio_spectra::StateSpectra;
+use papilio_spectra::{Grid, StateSpectra};
 use papilio_transport::{Source, specular_image, specular_image_of};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -51,9 +51,12 @@ use crate::{DisplayError, Prepared};
 /// Explanation of why adding did not reach a target.
 const FINEST_REACHED: &str = "adding's finest level is reached; the Monte Carlo solver (method = \"monte-carlo\") may reach a smaller error";
 
-/// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white,
-/// that gives no warning.
+/// Largest estimated error of X, Y and Z by interpolation between wavelengths, relative to a perfect white or to the
+/// state if it is brighter, that gives no warning.
 const NEGLIGIBLE_ERROR: f64 = 1e-3;
+
+/// Steps that a warning may suggest, nm.
+const STEPS_NM: [f64; 6] = [20.0, 10.0, 5.0, 2.5, 2.0, 1.0];
 
 /// Accuracy of an answer of a prepared display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -326,7 +329,7 @@ impl Run<'_> {
         notes.extend(polarisation::notes(self.scene));
         notes.extend(self.setup.note_of_table());
         notes.extend(if solver.paths.is_some() { self.few_paths_below() } else { self.across_the_end() });
-        warnings.extend(self.coarse_reflectances(&views));
+        warnings.extend(self.coarse_step(&views));
         RunResult {
             notes,
             solver,
@@ -375,21 +378,33 @@ impl Run<'_> {
         ))
     }
 
-    /// Returns a warning if the grid is too coarse for reflectances under light with narrow lines.
-    fn coarse_reflectances(&self, views: &[View]) -> Option<String> {
+    /// Returns a warning if the grid is too coarse for the light or for the reflectances, with a step that is fine enough: the error
+    /// of linear interpolation is proportional to the square of the step.
+    fn coarse_step(&self, views: &[View]) -> Option<String> {
         let errors = views.iter().flat_map(|view| {
             let states = view.states.0.iter();
             states.filter_map(|(name, state)| {
                 let XyzError { X, Y, Z } = state.interpolation_error?;
-                Some((X.max(Y).max(Z), name, view.theta_deg))
+                let error = X.max(Y).max(Z);
+                // The solver's target, too, is relative: a state that is brighter than white has a larger error.
+                Some((error / state.value.Y.max(1.0), error, name, view.theta_deg))
             })
         });
-        let (error, name, theta) = errors.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (error > NEGLIGIBLE_ERROR && self.scene.grid.step_nm() > 1.0).then(|| {
+        let (relative, error, name, theta) = errors.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (grid, step) = (self.scene.grid, self.scene.grid.step_nm());
+        let is_fine = |finer: &f64| {
+            *finer < step
+                && relative * (finer / step).powi(2) <= NEGLIGIBLE_ERROR
+                && Grid::new(grid.start_nm(), grid.stop_nm(), *finer).is_ok()
+        };
+        (relative > NEGLIGIBLE_ERROR).then(|| {
+            let remedy = match STEPS_NM.into_iter().find(is_fine) {
+                Some(finer) => format!("set spectrum.step_nm = {finer}"),
+                None => "set spectrum.range_nm to integers and spectrum.step_nm = 1".to_owned(),
+            };
             format!(
-                "under light with narrow lines, X, Y or Z of `{name}` at theta {theta} deg has an error of about {error:.4} relative \
-                 to a perfect white, because reflectances are linear between wavelengths {} nm apart; set spectrum.step_nm = 1",
-                self.scene.grid.step_nm()
+                "X, Y or Z of `{name}` at theta {theta} deg has an error of about {error:.4} relative to a perfect white, because light and \
+                 reflectances are known only every {step} nm, and are linear between these wavelengths; {remedy}"
             )
         })
     }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use papilio_formats::LARGEST_BSDF_FILE;
+use papilio_spectra::Tabulated;
 
 use super::Resolver;
 use super::maps::MapLight;
@@ -15,6 +16,7 @@ struct CachedValue<T> {
     warnings: Vec<String>,
     notes: Vec<String>,
     maps: Vec<MapLight>,
+    tables: Vec<(String, Tabulated)>,
 }
 
 impl Resolver<'_> {
@@ -38,12 +40,14 @@ impl Resolver<'_> {
             self.warnings.extend_from_slice(&made.warnings);
             self.notes.extend_from_slice(&made.notes);
             self.maps.extend_from_slice(&made.maps);
+            self.tables.extend_from_slice(&made.tables);
             self.inputs.extend(entry.inputs);
             return Some(made.value.clone());
         }
         // The inputs and notes of `make` are separated from the earlier ones.
         let inputs = std::mem::take(&mut self.inputs);
-        let (warnings, notes, maps) = (self.warnings.len(), self.notes.len(), self.maps.len());
+        let (warnings, notes) = (self.warnings.len(), self.notes.len());
+        let (maps, tables) = (self.maps.len(), self.tables.len());
         let value = make(self);
         let read = std::mem::replace(&mut self.inputs, inputs);
         if let Some(value) = value.as_ref().filter(|_| self.errors.is_empty()) {
@@ -52,6 +56,7 @@ impl Resolver<'_> {
                 warnings: self.warnings[warnings..].to_vec(),
                 notes: self.notes[notes..].to_vec(),
                 maps: self.maps[maps..].to_vec(),
+                tables: self.tables[tables..].to_vec(),
             };
             let is_map = !made.maps.is_empty();
             memo.insert(Entry {

@@ -117,15 +117,11 @@ impl Resolver<'_> {
         self.fractions(name, origin, &table)
     }
 
-    /// Returns the values of a table of fractions on the grid, and warns of a grid that is too coarse for it.
+    /// Returns the values of a table of fractions on the grid. Whether the grid is fine enough is examined when the light is known.
     pub(super) fn fractions(&mut self, name: &str, origin: Origin, table: &Tabulated) -> Option<Spectrum> {
         let values = self.sampled(name, origin, table.on(&self.grid))?;
-        if let Some(what) = sampling::coarseness(table, &self.grid) {
-            let warning = format!("{name}: {what}");
-            // A file may be used in several places.
-            if !self.warnings.contains(&warning) {
-                self.warnings.push(warning);
-            }
+        if !sampling::has_all_points(&self.grid, table) {
+            self.tables.push((name.to_owned(), table.clone()));
         }
         Some(values)
     }

@@ -1,17 +1,19 @@
-//! Films whose interference fringes over wavelength are too narrow for the grid.
+//! Films and liquid crystals whose interference fringes over wavelength are too narrow for the grid.
 //!
-//! There are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost
+//! For films, there are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost
 //! all films are thin enough. For any other film the error is computed: the error of X, Y and Z for light
 //! along the normal if the reflectance is known only at the wavelengths of the grid and linear between them,
 //! as in the computation of colours.
 
 use num_complex::Complex64;
-use papilio_display::scene::{FilmLayer, Interface, Pixel, Scene, Thickness};
+use papilio_display::scene::{CrystalPart, CrystalPixel, FilmLayer, Interface, Pixel, Scene, Thickness};
+use papilio_optics::berreman::SpectralStack;
 use papilio_optics::film::{Film, Layer, Polarisation, coherent, fringe_spacing_nm};
-use papilio_spectra::Grid;
+use papilio_spectra::{Grid, Tabulated};
 
+use super::Resolver;
 use super::film::distinct_gaps;
-use super::{Resolver, sampling};
+use super::sampling::{Judge, NEGLIGIBLE_ERROR};
 
 /// Wavelengths per fringe that are sufficient: the error of Y is 0.04 % or less (docs/films.md, "Thick
 /// films").
@@ -32,18 +34,19 @@ struct FilmStack<'a> {
 
 impl Resolver<'_> {
     /// Warns of the film with the largest colour error due to the wavelength grid, if there is one.
-    pub(super) fn warn_of_fringes(&mut self, scene: &Scene) {
+    pub(super) fn warn_of_fringes(&mut self, scene: &Scene, judge: &Judge) {
         let grid = &scene.grid;
+        self.warn_of_crystal(scene, judge);
         let Some((film, error)) = worst(scene, |film| {
             let is_held = film.spacing_nm(grid) >= ENOUGH_PER_FRINGE * grid.step_nm();
-            if is_held { None } else { film.colour_error(grid, grid.step_nm()) }
+            if is_held { None } else { film.colour_error(grid, judge, grid.step_nm()) }
         }) else {
             return;
         };
-        if error <= sampling::NEGLIGIBLE_ERROR {
+        if error <= NEGLIGIBLE_ERROR {
             return;
         }
-        let enough = sampling::fine_step(grid, |step| film.colour_error(grid, step));
+        let enough = judge.fine_step(|step| film.colour_error(grid, judge, step));
         let remedy = match enough {
             Some(step) => format!("set spectrum.step_nm = {step}"),
             None => "no step is fine enough, because colours are sums over integer nanometres: describe so thick a layer as a layer \
@@ -59,6 +62,53 @@ impl Resolver<'_> {
             film.spacing_nm(grid)
         ));
     }
+
+    /// Warns of a liquid-crystal pixel whose reflectance changes too fast for the grid: compared with steps of 1 nm.
+    fn warn_of_crystal(&mut self, scene: &Scene, judge: &Judge) {
+        let (Pixel::Crystal(pixel), step_nm) = (&scene.display.pixel, scene.grid.step_nm()) else { return };
+        if step_nm <= 1.0 {
+            return;
+        }
+        let Some(states) = every_nm(pixel, scene) else { return };
+        let errors = states.iter().zip(&pixel.states).filter_map(|(reflectance, name)| {
+            let error = |step: f64| judge.error_of_table(reflectance, step);
+            Some((error(step_nm)?, name, judge.fine_step(error)))
+        });
+        let Some((error, name, enough)) = errors.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        if error <= NEGLIGIBLE_ERROR {
+            return;
+        }
+        let enough = enough.unwrap_or(1.0);
+        self.warnings.push(format!(
+            "display.pixel: the reflectance of `{name}` changes too fast for spectrum.step_nm = {step_nm}: for light along the normal, the error of \
+             X, Y or Z is {error:.4} relative to a perfect white; set spectrum.step_nm = {enough}"
+        ));
+    }
+}
+
+/// Reflectances of the states of a liquid-crystal pixel along the normal at every nanometre, with indices that are
+/// linear between the wavelengths of the grid.
+fn every_nm(pixel: &CrystalPixel, scene: &Scene) -> Option<Vec<Tabulated>> {
+    let own = scene.grid.integers().ok()?;
+    let wavelengths = own.wavelengths_nm();
+    let between = |index: &[Complex64]| -> Vec<Complex64> {
+        let at = |nm: &f64| scene.grid.between(*nm).map(|(bin, share)| index[bin] * share).sum::<Complex64>();
+        wavelengths.iter().map(at).collect()
+    };
+    let part = |part: &CrystalPart| CrystalPart {
+        indices: part.indices.each_ref().map(|index| between(index)),
+        ..part.clone()
+    };
+    let front: Vec<Complex64> = scene.display.index_above_pixel().iter().map(|n| (*n).into()).collect();
+    let front: Vec<f64> = between(&front).into_iter().map(|n| n.re).collect();
+    let parts: Vec<CrystalPart> = pixel.parts.iter().map(part).collect();
+    let stack = SpectralStack::new(&wavelengths, &front, &parts, &between(&pixel.substrate)).ok()?;
+    let mut out = vec![0.0; stack.states() * wavelengths.len()];
+    stack.reflectance(&vec![0.0; wavelengths.len()], &[0.0], &mut out).ok()?;
+    let rows = out.chunks_exact(wavelengths.len());
+    let tables: Option<Vec<_>> =
+        rows.map(|row| Tabulated::new(wavelengths.clone(), row.to_vec()).ok()).collect();
+    tables
 }
 
 /// Returns the film and gap with the largest error.
@@ -135,9 +185,9 @@ impl FilmStack<'_> {
         coherent(&film, nm, 0.0, Polarisation::S).ok().map(|film| film.reflectance)
     }
 
-    /// As [`sampling::colour_error`], from [`PER_FRINGE`] samples of each fringe.
-    fn colour_error(&self, grid: &Grid, step_nm: f64) -> Option<f64> {
+    /// Error of X, Y and Z ([`Judge::error`]), from [`PER_FRINGE`] samples of each fringe.
+    fn colour_error(&self, grid: &Grid, judge: &Judge, step_nm: f64) -> Option<f64> {
         let parts = (step_nm.max(1.0) * PER_FRINGE / self.spacing_nm(grid)).ceil().clamp(2.0, MOST_PER_STEP);
-        sampling::colour_error(grid, step_nm, parts as usize, |nm| self.reflectance(grid, nm))
+        judge.error(step_nm, parts as usize, |nm| self.reflectance(grid, nm))
     }
 }

@@ -104,9 +104,12 @@ impl Resolver<'_> {
         };
         let sampled: Vec<_> = parts.iter().map(sampled).collect();
         let on_grid = sum(&self.grid, sampled.into_iter().collect::<Option<Vec<_>>>()?);
-        let spectrum = match sampling::loss(|grid| all_on(&parts, grid), &self.grid) {
-            Some(loss) => self.with_lines(key, &parts, &loss).unwrap_or_else(|| on_grid.into()),
-            None => on_grid.into(),
+        let with_lines = sampling::loss(|grid| all_on(&parts, grid), &self.grid)
+            .and_then(|loss| self.with_lines(key, &parts, &loss));
+        let spectrum = match with_lines {
+            Some(light) => light,
+            None => LightSpectrum::sampled(&self.grid, |grid| all_on(&parts, grid))
+                .unwrap_or_else(|_| on_grid.into()),
         };
         if spectrum.max() < DARKEST {
             let (start, stop) = (self.grid.start_nm(), self.grid.stop_nm());

@@ -198,7 +198,7 @@ fn lifted(
             MapColour::Green => primary(1),
             MapColour::Blue => primary(2),
             MapColour::Grey => Ok(white.clone()),
-            MapColour::Wavelength(_) => hat(&wavelengths, number, grid).map(LightSpectrum::from),
+            MapColour::Wavelength(_) => LightSpectrum::sampled(grid, |grid| hat(&wavelengths, number, grid)),
         }
     };
     picture.channels.iter().enumerate().map(|(number, channel)| of(number, channel.colour)).collect()

@@ -45,9 +45,10 @@ use papilio_diagnostics::{Diagnostic, short_numbers};
 use papilio_display::image::SourceImage;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
-use papilio_spectra::Grid;
+use papilio_spectra::{Grid, Tabulated};
 
 use self::relief::SurfaceRelief;
+use self::sampling::Judge;
 use crate::describe::solver::{self, Solver};
 use crate::describe::{File, metrics};
 use crate::error::{Errors, ScenarioErrors};
@@ -107,6 +108,8 @@ struct Resolver<'a> {
     needs_light: bool,
     /// Light of the maps on the display.
     maps: Vec<maps::MapLight>,
+    /// Tables of reflectances and transmittances with points between the wavelengths of the grid, by the names of their files.
+    tables: Vec<(String, Tabulated)>,
     /// Lobes that may scatter more light than they receive.
     unbounded: Vec<unbounded::UnboundedLobe>,
     /// Whether a diffuser that loses light has no described reflection.
@@ -194,6 +197,7 @@ impl<'a> Resolver<'a> {
             inputs: BTreeMap::new(),
             needs_light: true,
             maps: Vec::new(),
+            tables: Vec::new(),
             unbounded: Vec::new(),
             surfaces: Vec::new(),
             known_faces: Vec::new(),
@@ -269,7 +273,10 @@ impl Resolver<'_> {
         self.check_size(file, &scene);
         self.note_no_reflection();
         self.note_scattering(&scene);
-        self.warn_of_fringes(&scene);
+        if let Some(judge) = Judge::new(&scene) {
+            self.warn_of_tables(&judge);
+            self.warn_of_fringes(&scene, &judge);
+        }
         self.warn_of_unbounded(&scene);
         self.check_target(file, &scene);
         Some(scene)

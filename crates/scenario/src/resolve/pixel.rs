@@ -8,7 +8,7 @@ use papilio_display::scene::{
 use papilio_formats::read_pixel_over_half_turn;
 use papilio_spectra::Spectrum;
 
-use super::Resolver;
+use super::{Resolver, sampling};
 use crate::describe::File;
 use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
@@ -72,6 +72,9 @@ impl Resolver<'_> {
         let mut states = Vec::with_capacity(table.states.len());
         for (i, (name, _)) in table.states.iter().enumerate() {
             let spectra = table.spectra(i, &self.grid);
+            // The direction nearest to the normal stands for all.
+            let nearest = table.spectrum(i, 0).filter(|own| !sampling::has_all_points(&self.grid, own));
+            self.tables.extend(nearest.map(|own| (pixel.file.value.clone(), own)));
             let reflectance = self.sampled(&pixel.file, pixel.file.origin, spectra)?;
             states.push(TableState { name: name.clone(), reflectance });
         }

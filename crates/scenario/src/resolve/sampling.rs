@@ -9,10 +9,13 @@
 //! A light that fails the test is represented by its means over 1 nm ([`LightSpectrum`]).
 //!
 //! A reflectance, too, is known at the wavelengths of the grid and linear between them. Its test is the error
-//! of X, Y and Z in light of equal energy ([`colour_error`]).
+//! of X, Y and Z in the light of the scenario ([`Judge`]).
 
 use papilio_colour::{LUMENS_PER_WATT, Observer, UvPrime};
-use papilio_spectra::{Grid, SpectraError, Spectrum, Tabulated};
+use papilio_display::scene::Scene;
+use papilio_spectra::{EveryNm, Grid, LightSpectrum, SpectraError, Spectrum, Tabulated};
+
+use super::Resolver;
 
 /// Largest distance in u'v' without a warning: a quarter of a just noticeable difference, 0.5 % of X/Y or Z/Y
 /// near white.
@@ -103,68 +106,140 @@ pub(super) fn means(finer: &[f64], per_nm: usize) -> Vec<f64> {
     (0..finer.len()).step_by(per_nm).map(mean).collect()
 }
 
-/// Largest error of X, Y and Z in light of equal energy, relative to a perfect white, if this reflectance (a
-/// function of the wavelength, nm) is known only in steps of `step_nm` (at least 1) and linear between them.
-/// Each step is divided into `parts`.
-pub(super) fn colour_error(
-    grid: &Grid,
-    step_nm: f64,
-    parts: usize,
-    reflectance: impl Fn(f64) -> Option<f64>,
-) -> Option<f64> {
-    let step_nm = step_nm.max(1.0);
-    let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));
-    let every_nm = Grid::new(first, last, 1.0).ok()?;
-    let observer = Observer::new(&every_nm).ok()?;
-    let (mut off, mut white) = ([0.0; 3], [0.0; 3]);
-    let mut from = (first, reflectance(first)?);
-    while from.0 + step_nm <= last + 1e-6 {
-        let to_nm = from.0 + step_nm;
-        let to = (to_nm, reflectance(to_nm)?);
-        for part in 0..parts {
-            let share = (part as f64 + 0.5) / parts as f64;
-            let nm = from.0 + share * step_nm;
-            let missed = (1.0 - share) * from.1 + share * to.1 - reflectance(nm)?;
-            let nearest = ((nm - first).round() as usize).min(every_nm.len() - 1);
-            for (k, weight) in observer.weights().into_iter().enumerate() {
-                off[k] += weight[nearest] * missed;
-                white[k] += weight[nearest];
+/// Weights of reflectances in X, Y and Z, relative to a perfect white, in the light of a scenario.
+pub(super) struct Judge {
+    grid: Grid,
+    /// Integer wavelengths that are seen, nm.
+    seen: Grid,
+    /// At each of them.
+    weights: [Vec<f64>; 3],
+}
+
+impl Judge {
+    /// `None` if no light is visible.
+    pub(super) fn new(scene: &Scene) -> Option<Self> {
+        let (grid, lighting) = (scene.grid, &scene.lighting);
+        let (first, last) = (grid.start_nm().ceil().max(380.0), grid.stop_nm().floor().min(780.0));
+        let seen = Grid::new(first, last, 1.0).ok()?;
+        let (luminous, observer) =
+            (Observer::new(&seen).ok()?, Observer::of(scene.metrics.observer, &seen).ok()?);
+        // X, Y and Z of this illuminance, at each wavelength.
+        let add = |sums: &mut [Vec<f64>; 3], light: &LightSpectrum, lux: f64| -> Option<()> {
+            let (grid, values) =
+                light.every_nm().map_or((&grid, &**light), |EveryNm { grid, values }| (grid, values));
+            let values = Tabulated::new(grid.wavelengths_nm(), values.to_vec()).ok()?.on(&seen).ok()?;
+            let scale = lux / luminous.luminance(&values);
+            for (sums, bar) in sums.iter_mut().zip(observer.weights()) {
+                for ((sum, bar), value) in sums.iter_mut().zip(bar).zip(values.iter()).filter(|_| lux > 0.0) {
+                    *sum += scale * bar * value;
+                }
             }
+            Some(())
+        };
+        let mut weights = [(); 3].map(|()| vec![0.0; seen.len()]);
+        let lux = lighting.illuminance_lx;
+        add(&mut weights, &lighting.diffuse_spectrum, lux * lighting.diffuse)?;
+        for lamp in &lighting.directed {
+            let cosine = if lamp.normal_to_beam { lamp.theta_deg.to_radians().cos() } else { 1.0 };
+            add(&mut weights, &lamp.spectrum, lux * lamp.share * cosine)?;
         }
-        from = to;
+        for part in lighting.environment.iter().flat_map(|environment| &environment.parts) {
+            add(&mut weights, &part.spectrum, lux * part.share)?;
+        }
+        // A front light adds to the ambient light, of which the white is.
+        let mut white: f64 = weights[1].iter().sum();
+        if let Some(guide) = &lighting.front_light {
+            add(&mut weights, &guide.spectrum, guide.illuminance_lx)?;
+            white = if white > 0.0 { white } else { weights[1].iter().sum() };
+        }
+        (white > 0.0).then(|| {
+            weights.iter_mut().flatten().for_each(|weight| *weight /= white);
+            Self { grid, seen, weights }
+        })
     }
-    let errors = off.iter().zip(white).map(|(off, white)| (off / white).abs());
-    errors.reduce(f64::max).filter(|error| error.is_finite())
-}
 
-/// The largest usual step below that of the grid at which this error is negligible; `None` if there is none.
-pub(super) fn fine_step(grid: &Grid, error: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm());
-    finer.into_iter().find(|step| error(*step).is_some_and(|error| error <= NEGLIGIBLE_ERROR))
-}
+    /// Largest error of X, Y and Z, relative to a perfect white, if this reflectance (a function of the wavelength, nm) is known only in
+    /// steps of `step_nm` (at least 1) and linear between them. Each step is divided into `parts`.
+    pub(super) fn error(
+        &self,
+        step_nm: f64,
+        parts: usize,
+        reflectance: impl Fn(f64) -> Option<f64>,
+    ) -> Option<f64> {
+        let step_nm = step_nm.max(1.0);
+        let (first, last) = (self.seen.start_nm(), self.seen.stop_nm());
+        // The first wavelength of such a grid that is seen.
+        let first = first + (self.grid.start_nm() - first).rem_euclid(step_nm);
+        let mut off = [0.0; 3];
+        let mut from = (first, reflectance(first)?);
+        while from.0 + step_nm <= last + 1e-6 {
+            let to_nm = from.0 + step_nm;
+            let to = (to_nm, reflectance(to_nm)?);
+            for part in 0..parts {
+                let share = (part as f64 + 0.5) / parts as f64;
+                let nm = from.0 + share * step_nm;
+                let missed = (1.0 - share) * from.1 + share * to.1 - reflectance(nm)?;
+                let nearest = ((nm - self.seen.start_nm()).round() as usize).min(self.seen.len() - 1);
+                for (off, weights) in off.iter_mut().zip(&self.weights) {
+                    *off += weights[nearest] * missed * step_nm / parts as f64;
+                }
+            }
+            from = to;
+        }
+        off.into_iter().map(f64::abs).reduce(f64::max).filter(|error| error.is_finite())
+    }
 
-/// What to do if a table of reflectances or transmittances is not linear between the wavelengths of the grid;
-/// `None` if its error is negligible.
-pub(super) fn coarseness(table: &Tabulated, grid: &Grid) -> Option<String> {
-    let error_in = |step: f64| {
-        let parts = (step.max(1.0) * PER_NM as f64).ceil() as usize;
+    /// The largest usual step below that of the grid at which this error is negligible; `None` if there is none.
+    pub(super) fn fine_step(&self, error: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let grid = &self.grid;
+        let is_grid = |step: &f64| Grid::new(grid.start_nm(), grid.stop_nm(), *step).is_ok();
+        let finer = STEPS_NM.into_iter().filter(|step| *step < grid.step_nm()).filter(is_grid);
+        finer.into_iter().find(|step| error(*step).is_some_and(|error| error <= NEGLIGIBLE_ERROR))
+    }
+
+    /// Error of a table of reflectances or transmittances, in steps of `step_nm`.
+    pub(super) fn error_of_table(&self, table: &Tabulated, step_nm: f64) -> Option<f64> {
+        let parts = (step_nm.max(1.0) * PER_NM as f64).ceil() as usize;
         // A table may end a little before the grid.
         let (first, last) = table.range_nm();
-        colour_error(grid, step, parts, |nm| table.at(nm.clamp(first, last)).ok())
-    };
-    let step_nm = grid.step_nm();
-    let is_point = |nm: f64| ((nm - grid.start_nm()) / step_nm).fract() == 0.0;
-    if table.wavelengths_nm().iter().all(|nm| is_point(*nm)) {
-        // The grid has all points of the table, between which it is linear itself.
-        return None;
+        self.error(step_nm, parts, |nm| table.at(nm.clamp(first, last)).ok())
     }
-    let error = error_in(step_nm).filter(|error| *error > NEGLIGIBLE_ERROR)?;
-    let remedy = match fine_step(grid, error_in) {
-        Some(step) => format!("set spectrum.step_nm = {step}"),
-        None => "no step is fine enough: state its means over 1 nm".to_owned(),
-    };
-    Some(format!(
-        "the values change too fast for spectrum.step_nm = {step_nm}: in light of equal energy, the error of X, Y or Z is {error:.4} \
-         relative to a perfect white; {remedy}"
-    ))
+}
+
+/// Returns whether the grid has all points of a table, between which the table is linear itself.
+pub(super) fn has_all_points(grid: &Grid, table: &Tabulated) -> bool {
+    let is_point = |nm: f64| ((nm - grid.start_nm()) / grid.step_nm()).fract() == 0.0;
+    table.wavelengths_nm().iter().all(|nm| is_point(*nm))
+}
+
+impl Resolver<'_> {
+    /// Warns of the tables of reflectances and transmittances that are not linear between the wavelengths of the grid; of several
+    /// columns of a file, of the one with the largest error.
+    pub(super) fn warn_of_tables(&mut self, judge: &Judge) {
+        let step_nm = judge.grid.step_nm();
+        let mut worst: Vec<(&str, &Tabulated, f64)> = Vec::new();
+        for (name, table) in &self.tables {
+            let Some(error) = judge.error_of_table(table, step_nm).filter(|error| *error > NEGLIGIBLE_ERROR)
+            else {
+                continue;
+            };
+            match worst.iter_mut().find(|(other, ..)| other == name) {
+                None => worst.push((name, table, error)),
+                Some(known) if known.2 < error => *known = (name, table, error),
+                Some(_) => {}
+            }
+        }
+        let warning = |(name, table, error): (&str, &Tabulated, f64)| {
+            let remedy = match judge.fine_step(|step| judge.error_of_table(table, step)) {
+                Some(step) => format!("set spectrum.step_nm = {step}"),
+                None => "no step is fine enough: state its means over 1 nm".to_owned(),
+            };
+            format!(
+                "{name}: the values change too fast for spectrum.step_nm = {step_nm}: in the light of the scenario, the error of X, Y or Z is \
+                 {error:.4} relative to a perfect white; {remedy}"
+            )
+        };
+        let warnings: Vec<String> = worst.into_iter().map(warning).collect();
+        self.warnings.extend(warnings);
+    }
 }

@@ -209,8 +209,11 @@ fn region_over_the_whole_map_has_its_spectrum() {
     let region = with(&format!("{map}regions = [{{ spectrum = \"LED-B3\" }}]"));
     let scene = resolve(&region, folder.path(), &[]).unwrap().scene;
     let [part] = &scene.lighting.environment[0].parts[..] else { panic!("{:?}", scene.lighting) };
-    let led = papilio_spectra::illuminant("LED-B3", &scene.grid).unwrap();
-    assert_eq!((&part.spectrum, part.share), (&led.into(), 0.5));
+    let led = |grid: &papilio_spectra::Grid| papilio_spectra::illuminant("LED-B3", grid);
+    assert_eq!(
+        (&part.spectrum, part.share),
+        (&papilio_spectra::LightSpectrum::sampled(&scene.grid, led).unwrap(), 0.5)
+    );
     let even = |theta| std::f64::consts::PI * part.field.radiance(Beta::from_source(theta, 20.0, 1.0));
     assert!((even(5.0) - 1.0).abs() < 1e-6 && (even(80.0) - 1.0).abs() < 1e-6);
 }

@@ -61,7 +61,7 @@ fn means_over_1_nm_have_the_power_of_the_lines() {
         fs::write(folder.path().join("lamp.csv"), points).unwrap();
         let resolved = resolve(GOOD, folder.path(), &["lighting.spectrum=lamp.csv", "spectrum.step_nm=5"]);
         let light = resolved.unwrap_or_else(|e| panic!("{e}")).scene.lighting.diffuse_spectrum;
-        let lines = light.lines().unwrap_or_else(|| panic!("{points}")).means.iter().sum::<f64>();
+        let lines = light.lines().unwrap_or_else(|| panic!("{points}")).values.iter().sum::<f64>();
         (lines, 5.0 * light.iter().sum::<f64>())
     };
     for points in [
@@ -253,7 +253,7 @@ fn reflectances_that_change_too_fast_for_the_grid_are_warned_of() {
         let pixel = format!(
             "display.pixel={{ model = \"uniform\", kind = \"mirror\", reflectance = {{ white = \"{file}\", black = 0.05 }} }}"
         );
-        warnings(folder.path(), &[&pixel, step])
+        warnings(folder.path(), &[&pixel, step, "lighting.spectrum=E"])
     };
     let coarse = said("edge.csv", "spectrum.step_nm=5");
     assert_eq!(coarse.len(), 1, "{coarse:?}");
@@ -267,6 +267,59 @@ fn reflectances_that_change_too_fast_for_the_grid_are_warned_of() {
     assert_eq!(said("slow.csv", "spectrum.step_nm=5"), Vec::<String>::new());
     let filter = warnings(folder.path(), &["display.diffuser.total_transmittance=edge.csv"]);
     assert!(filter[0].starts_with("edge.csv: the values change too fast"), "{filter:?}");
+}
+
+/// The error of an edge at 640 nm that only the light makes important: own sums over 1 nm with the closed form of illuminant A.
+/// The warning has it, and suggests the coarsest step that is fine enough.
+#[test]
+fn errors_of_tables_are_those_in_the_light_of_the_scenario() {
+    let rows = fs::read_to_string("../colour/data/observers.csv").unwrap();
+    let cells = |row: &str| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = rows.lines().skip(1).map(cells).collect();
+    let a = |nm: f64| {
+        let planck = |nm: f64| nm.powi(-5) / ((1.435e7 / (2848.0 * nm)).exp() - 1.0);
+        100.0 * planck(nm) / planck(560.0)
+    };
+    let own = |light: &dyn Fn(f64) -> f64, reflectance: &dyn Fn(f64) -> f64, step: f64| {
+        let at = |nm: f64| {
+            let left = 380.0 + step * ((nm - 380.0) / step).floor().min(400.0 / step - 1.0);
+            let share = (nm - left) / step;
+            (1.0 - share) * reflectance(left) + share * reflectance(left + step)
+        };
+        let sum = |k: usize, of: &dyn Fn(f64) -> f64| -> f64 {
+            rows.iter().map(|row| light(row[0]) * row[k] * of(row[0])).sum()
+        };
+        let missed = |nm: f64| at(nm) - reflectance(nm);
+        (1..=3).map(|k| (sum(k, &missed) / sum(2, &|_| 1.0)).abs()).fold(0.0, f64::max)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&str, &dyn Fn(f64) -> f64); 2] = [("A", &a), ("E", &|_| 1.0)];
+    for (depth, expected) in [(0.9, [true, true]), (0.145, [true, false]), (0.1, [false, false])] {
+        let edge = |nm: f64| 0.05 + depth / (1.0 + ((640.0 - nm) / 6.0).exp());
+        let table: String = (380..=780).map(|nm| format!("{nm},{}\n", edge(f64::from(nm)))).collect();
+        fs::write(folder.path().join("edge.csv"), table).unwrap();
+        for ((name, light), expected) in cases.iter().zip(expected) {
+            let error = own(light, &edge, 20.0);
+            let said = warnings(
+                folder.path(),
+                &[
+                    "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = \"edge.csv\" } }",
+                    &format!("lighting.spectrum={name}"),
+                    "spectrum.step_nm=20",
+                ],
+            );
+            let said: Vec<_> = said.iter().filter(|one| one.starts_with("edge.csv")).collect();
+            assert_eq!(!said.is_empty(), expected, "{name} {depth}: {error} {said:?}");
+            assert_eq!(error > 1e-3, expected, "{name} {depth}: {error}");
+            let Some(said) = said.first() else { continue };
+            let number = |text: &str| -> f64 { text.split(' ').next().unwrap().parse().unwrap() };
+            let stated = number(said.split("X, Y or Z is ").nth(1).unwrap());
+            assert!((stated / error - 1.0).abs() < 0.03, "{name} {depth}: {error} {said}");
+            let step = number(said.split("set spectrum.step_nm = ").nth(1).unwrap());
+            let fine = |step: f64| own(light, &edge, step) < 1e-3;
+            assert!(fine(step) && (step >= 10.0 || !fine(2.0 * step)), "{name} {depth}: {said}");
+        }
+    }
 }
 
 /// Ward's lobe with Duer's normalisation scatters 1.128 times the light from 85 deg for alpha 0.2
