@@ -68,20 +68,21 @@ pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     stdout.write_all(report::reflection(&split).as_bytes())?;
     stdout.flush()?;
     let source = BsdfSource { papilio: env!("CARGO_PKG_VERSION"), title: &title, hash: &resolved.hash };
+    let notes = [&resolved.notes[..], resolved.scene.ignores_polariser().as_slice()].concat();
+    let of_table = table_warnings(arguments, &resolved.scene, &table, &probes)?;
+    let warnings = [&resolved.warnings[..], &of_table].concat();
     let names = interrupt::uninterrupted(|| {
         folder::make(&folder, &resolved.hash)?;
-        let mut names = write_table(&folder, &source, arguments.format, &table)?;
+        let mut names = write_table(&folder, &source, [&notes, &warnings], arguments.format, &table)?;
         write_file(&folder.join(SPLIT), |out| write_reflection(out, &split))?;
-        folder::write_about(&folder, &title, &resolved.hash)?;
+        folder::write_about(&folder, [&title, &resolved.hash], [&notes, &warnings])?;
         names.extend([SPLIT, folder::ABOUT].map(str::to_owned));
         saved.discard()?;
         Ok::<_, Failure>(names)
     })?;
     folder.print_written(&names);
-    print_notes(&resolved.notes);
-    print_notes(&resolved.scene.ignores_polariser().into_iter().collect::<Vec<_>>());
-    print_warnings(&resolved.warnings);
-    print_warnings(&table_warnings(arguments, &resolved.scene, &table, &probes)?);
+    print_notes(&notes);
+    print_warnings(&warnings);
     Ok(())
 }
 
@@ -259,6 +260,7 @@ fn at_viewers<G: ViewerGrid>(
 fn write_table(
     folder: &Path,
     source: &BsdfSource<'_>,
+    said: [&[String]; 2],
     format: BrdfFormat,
     table: &Table,
 ) -> Result<Vec<String>, Failure> {
@@ -304,7 +306,7 @@ fn write_table(
                 write_file(&folder.join(name), |out| write_rgl(out, source, table, state))?;
             }
             let mirror = format!("{MIRROR}.json");
-            let content = MirrorFile::new(source, beams, &names);
+            let content = MirrorFile::new(source, said, beams, &names);
             write_file(&folder.join(&mirror), |out| write_json(out, &content))?;
             write_file(&folder.join(SCENE), |out| out.write_all(scene_script(source).as_bytes()))?;
             names.extend([mirror, SCENE.to_owned()]);

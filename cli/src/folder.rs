@@ -26,12 +26,14 @@ const WITHOUT_HASH: [&str; 5] =
 /// Digits of the hash in a folder's name, unless more are needed.
 const DIGITS: usize = 6;
 
-/// Content of `about.json`: the scenario of the files in a folder.
+/// Content of `about.json`: the scenario of the files in a folder, and what was printed about it.
 #[derive(Debug, Serialize)]
 struct About<'a> {
     papilio: &'a str,
     title: &'a str,
     hash: &'a str,
+    notes: &'a [String],
+    warnings: &'a [String],
 }
 
 /// The hash in a file, among other fields.
@@ -170,9 +172,13 @@ fn is_identified_by_about(name: &str) -> bool {
         || (name.starts_with("display-") && of_display.iter().any(|end| name.ends_with(end)))
 }
 
-/// Writes `about.json`, which identifies the scenario of the files in a folder.
-pub(crate) fn write_about(folder: &Path, title: &str, hash: &str) -> Result<(), Failure> {
-    let about = About { papilio: env!("CARGO_PKG_VERSION"), title, hash };
+/// Writes `about.json`, which identifies the scenario of the files in a folder, with its notes and warnings.
+pub(crate) fn write_about(
+    folder: &Path,
+    [title, hash]: [&str; 2],
+    [notes, warnings]: [&[String]; 2],
+) -> Result<(), Failure> {
+    let about = About { papilio: env!("CARGO_PKG_VERSION"), title, hash, notes, warnings };
     Ok(write_file(&folder.join(ABOUT), |out| write_json(out, &about))?)
 }
 
@@ -222,7 +228,7 @@ mod tests {
         let [of_ours, of_other] = [&ours, &other].map(|hash| Hashes::one(hash));
         assert_eq!(content(Kind::Result, &own, &of_ours), Content::Free);
         fs::create_dir(&own).unwrap();
-        write_about(&own, "t", &ours).unwrap();
+        write_about(&own, ["t", &ours], [&[], &[]]).unwrap();
         assert_eq!(
             (content(Kind::Result, &own, &of_ours), content(Kind::Result, &own, &of_other)),
             (Content::Free, Content::Other(ours.clone()))
@@ -235,7 +241,7 @@ mod tests {
         // Another hash with the same first digits.
         let close = format!("bbbbbb{}", "c".repeat(58));
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
-        write_about(&base.path().join("s-bbbbbb"), "t", &close).unwrap();
+        write_about(&base.path().join("s-bbbbbb"), ["t", &close], [&[], &[]]).unwrap();
         assert_eq!(hash_folder(Kind::Result, &own, &of_other), base.path().join("s-bbbbbbb"));
         // Files of a scenario that another one replaces; those of other programs stay.
         for name in ["pixel.csv", "display-white.bsdf", "step-normalise.svg", "notes.csv"] {

@@ -84,7 +84,7 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
             write_absorbed(&folder, absorption, &title, medium)?;
             written.extend(ABSORPTION);
         }
-        folder::write_about(&folder, &title, &resolved.hash)
+        folder::write_about(&folder, [&title, &resolved.hash], [&notes, &resolved.warnings])
     })?;
     written.push(folder::ABOUT);
     folder.print_written(&written.into_iter().map(str::to_owned).collect::<Vec<_>>());

@@ -52,7 +52,7 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     let names = interrupt::uninterrupted(|| {
         folder::make(&folder, &resolved.hash)?;
         let mut names = write(&folder, &curves, &title)?;
-        folder::write_about(&folder, &title, &resolved.hash)?;
+        folder::write_about(&folder, [&title, &resolved.hash], [&resolved.notes, &resolved.warnings])?;
         names.push(folder::ABOUT.to_owned());
         Ok::<_, Failure>(names)
     })?;

@@ -95,7 +95,8 @@ impl Diffuser {
                 measurement.parts.iter().map(|part| (part, every(part))).collect();
             let text = audit_text(&self.name, measurement, &audits);
             let figures = papilio_figures::lobes(measurement, &audits);
-            json(&AuditFile::new(measurement, &all)).map(|json| (json, text, figures))
+            json(&AuditFile::new(measurement, &all, [&[], &self.read.warnings]))
+                .map(|json| (json, text, figures))
         })
     }
 
@@ -110,7 +111,7 @@ impl Diffuser {
         let fits = py
             .detach(|| fitted(part, channel, kind, &FitOptions::default()))
             .map_err(|error| errors::argument(py, &error.to_string()))?;
-        json(&FitFile::new(part, channel, &fits))
+        json(&FitFile::new(part, channel, &fits, [&[], &self.read.warnings]))
     }
 
     /// Writes the measurement in another format; returns descriptions of the data that this format cannot store.

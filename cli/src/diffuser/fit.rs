@@ -3,11 +3,11 @@
 use std::io::Write;
 
 use papilio_figures::{ScatterCurve, Scattering, scattering};
-use papilio_formats::{FitFile, write_json};
+use papilio_formats::{BsdfFile, FitFile, write_json};
 use papilio_goniometry::{FitOptions, Geometry, MeasuredPart, Measurement, RankedFit, SpecularGrid, fitted};
 use papilio_optics::Beta;
 
-use super::{read, report, tables};
+use super::{read_file, report, tables};
 use crate::arguments::FitArguments;
 use crate::progress::FractionBar;
 use crate::{Failure, output};
@@ -18,7 +18,7 @@ const SHOWN_DEG: [f64; 2] = [5.0, 20.0];
 const SHOWN_LOBES: usize = 3;
 
 pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
-    let measurement = read(&arguments.file, arguments.part)?;
+    let BsdfFile { measurement, warnings, notes, .. } = read_file(&arguments.file, arguments.part)?;
     let Some(part) = measurement.parts.first() else {
         return Err(Failure::Input("the file has no data".to_owned()));
     };
@@ -32,7 +32,7 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     drop((log, bar));
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
-        write_json(&mut stdout, &FitFile::new(part, channel, &fits))?;
+        write_json(&mut stdout, &FitFile::new(part, channel, &fits, [&notes, &warnings]))?;
     } else {
         let file = arguments.file.display().to_string();
         stdout.write_all(report::fit(&file, part, &fits).as_bytes())?;

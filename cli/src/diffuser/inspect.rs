@@ -7,19 +7,19 @@ use std::sync::{Mutex, PoisonError};
 
 use papilio_figures::{Transmission, lobes, transmission};
 use papilio_formats::{
-    AuditFile, LARGEST_FILE, Warned, audit_text, open_input, read_fractions_with_notes, write_json,
+    AuditFile, BsdfFile, LARGEST_FILE, Warned, audit_text, open_input, read_fractions_with_notes, write_json,
 };
 use papilio_goniometry::{Audit, Channels, MeasuredPart};
 
-use super::{read, report};
+use super::{read_file, report};
 use crate::arguments::Inspect;
 use crate::progress::Progress;
 use crate::{Failure, output, print_message};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
-    let measurement = read(&arguments.file, arguments.part)?;
+    let BsdfFile { measurement, warnings, mut notes, .. } = read_file(&arguments.file, arguments.part)?;
     let spectra: Vec<Transmission> =
-        arguments.transmission.iter().map(|path| spectrum(path)).collect::<Result<_, _>>()?;
+        arguments.transmission.iter().map(|path| spectrum(path, &mut notes)).collect::<Result<_, _>>()?;
     // The printed report has the luminous channel of each part; JSON has all channels.
     let audits: Vec<Option<Audit>> =
         measurement.parts.iter().map(|part| Audit::of(part, part.luminous())).collect();
@@ -27,7 +27,7 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     if arguments.json {
         let all: Vec<(&MeasuredPart, Vec<Audit>)> =
             measurement.parts.iter().map(|part| (part, all_channels(part))).collect();
-        write_json(&mut stdout, &AuditFile::new(&measurement, &all))?;
+        write_json(&mut stdout, &AuditFile::new(&measurement, &all, [&notes, &warnings]))?;
     } else {
         let name = arguments.file.display().to_string();
         stdout.write_all(audit_text(&name, &measurement, &audits).as_bytes())?;
@@ -72,11 +72,15 @@ fn all_channels(part: &MeasuredPart) -> Vec<Audit> {
     audits.into_iter().map(|(_, audit)| audit).collect()
 }
 
-/// Reads a transmission spectrum from a file.
-fn spectrum(path: &Path) -> Result<Transmission, Failure> {
+/// Reads a transmission spectrum from a file, and adds its notes.
+fn spectrum(path: &Path, notes: &mut Vec<String>) -> Result<Transmission, Failure> {
     let file = open_input(path, &path.display().to_string(), LARGEST_FILE).map_err(Failure::Data)?;
     let Warned { value: spectrum, warnings } = read_fractions_with_notes(&file).map_err(Failure::Data)?;
-    warnings.iter().for_each(|note| print_message(&format!("note: {}: {note}", file.name)));
+    for note in warnings {
+        let note = format!("{}: {note}", file.name);
+        print_message(&format!("note: {note}"));
+        notes.push(note);
+    }
     Ok(Transmission {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         wavelength_nm: spectrum.wavelengths_nm().to_vec(),

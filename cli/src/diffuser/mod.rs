@@ -12,7 +12,8 @@ mod tables;
 use std::path::Path;
 
 use papilio_formats::{
-    BsdfFormat, LARGEST_BSDF_FILE, WriteError, open_input, read_bsdf_file, write_file, write_measurement,
+    BsdfFile, BsdfFormat, LARGEST_BSDF_FILE, WriteError, open_input, read_bsdf_file, write_file,
+    write_measurement,
 };
 use papilio_goniometry::{Measurement, ScatterMode};
 
@@ -32,6 +33,11 @@ pub(crate) fn diffuser(command: &Diffuser) -> Result<(), Failure> {
 
 /// Reads a file in any format, or one part of it, and prints its notes and warnings.
 fn read(path: &Path, part: Option<ScatterMode>) -> Result<Measurement, Failure> {
+    Ok(read_file(path, part)?.measurement)
+}
+
+/// As [`read`], with the notes and warnings.
+fn read_file(path: &Path, part: Option<ScatterMode>) -> Result<BsdfFile, Failure> {
     let name = path.display().to_string();
     let file = open_input(path, &name, LARGEST_BSDF_FILE).map_err(Failure::Data)?;
     let mut read = read_bsdf_file(&file, part).map_err(Failure::Data)?;
@@ -47,7 +53,7 @@ fn read(path: &Path, part: Option<ScatterMode>) -> Result<Measurement, Failure> 
     }
     read.notes.iter().for_each(|note| print_message(&format!("note: {name}: {note}")));
     read.warnings.iter().for_each(|warning| print_message(&format!("warning: {name}: {warning}")));
-    Ok(read.measurement)
+    Ok(read)
 }
 
 /// Fails if the output would replace an input: a measurement cannot be recovered.

@@ -72,7 +72,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
             .collect();
         names.extend(output::write_figure(&out, &format!("step-{key}"), &spectra_over(&shown, &title))?);
     }
-    folder::write_about(&out, &title, &base.hash)?;
+    folder::write_about(&out, [&title, &base.hash], [&base.notes, &base.warnings])?;
     names.push(folder::ABOUT.to_owned());
     out.print_written(&names);
     Ok(())

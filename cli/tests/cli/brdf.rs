@@ -55,6 +55,14 @@ fn rgl_has_a_file_for_each_state_a_mirror_part_and_a_scene() {
     let mirror: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.path().join("display-mirror.json")).unwrap()).unwrap();
     assert_eq!(mirror["states"]["white"]["file"], "display-white.bsdf");
+    // What was printed is also in the files.
+    let about: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("about.json")).unwrap()).unwrap();
+    for file in [&mirror, &about] {
+        let notes = file["notes"].as_array().unwrap();
+        assert!(notes.iter().any(|note| note.as_str().unwrap().contains("haze 0.78")), "{notes:?}");
+        assert!(file["warnings"].is_array(), "{file}");
+    }
     assert_eq!(mirror["states"]["white"]["specular"][0].as_array().map(Vec::len), Some(9));
     // Light from 0, 45, 67.5 and 89 deg; 9 wavelengths, the luminance, and 4 values of the density, for each
     // of 8 x 8 half vectors; 4 bytes each.

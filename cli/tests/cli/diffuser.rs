@@ -125,6 +125,15 @@ fn inspect_prints_the_audit_of_a_file() {
     let (json, _) = done(&["inspect", &shipped("data/H78.bsdf"), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert!(json.to_string().contains("H78 (synthetic)"));
+    // What is printed about a file is also in its JSON.
+    let scan = shipped("data/synthetic-scan.csv");
+    for command in [&["inspect", &scan, "--json"][..], &["fit", &scan, "--model", "k-correlation", "--json"]]
+    {
+        let (json, said) = done(command);
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let note = json["notes"][0].as_str().unwrap();
+        assert!(said.contains(note) && note.contains("a scan at normal incidence"), "{note}: {said}");
+    }
     assert!(refused(&["inspect", &folder.name("none.bsdf")]).contains("none.bsdf"));
     let cut = fs::read_to_string(shipped("data/H78-raw.bsdf")).unwrap();
     fs::write(folder.path("cut.bsdf"), &cut[..cut.len() / 2]).unwrap();

@@ -13,6 +13,9 @@ pub struct AuditFile<'a> {
     source: &'a str,
     media: [f64; 2],
     remarks: &'a [String],
+    /// What was noted, and warned of, when the file was read.
+    notes: &'a [String],
+    warnings: &'a [String],
     parts: Vec<PartFile>,
 }
 
@@ -123,8 +126,12 @@ struct IncidenceFile {
 }
 
 impl<'a> AuditFile<'a> {
-    /// Creates the output for a measurement, given the audits of the channels of each part.
-    pub fn new(measurement: &'a Measurement, audits: &[(&MeasuredPart, Vec<Audit>)]) -> Self {
+    /// Creates the output for a measurement, given the audits of the channels of each part, and the notes and warnings on the file.
+    pub fn new(
+        measurement: &'a Measurement,
+        audits: &[(&MeasuredPart, Vec<Audit>)],
+        [notes, warnings]: [&'a [String]; 2],
+    ) -> Self {
         let provenance = &measurement.provenance;
         let part = |(part, audits): &(&MeasuredPart, Vec<Audit>)| PartFile {
             way: part.way.name(),
@@ -144,6 +151,8 @@ impl<'a> AuditFile<'a> {
             source: &provenance.source,
             media: measurement.media,
             remarks: &provenance.remarks,
+            notes,
+            warnings,
             parts: audits.iter().map(part).collect(),
         }
     }
@@ -197,9 +206,12 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
 
 /// Fitted lobes, best first.
 #[derive(Debug, Serialize)]
-pub struct FitFile {
+pub struct FitFile<'a> {
     way: &'static str,
     channel: String,
+    /// What was noted, and warned of, when the file was read.
+    notes: &'a [String],
+    warnings: &'a [String],
     fits: Vec<OneFit>,
 }
 
@@ -228,9 +240,14 @@ struct OneParameter {
     at_bound: bool,
 }
 
-impl FitFile {
-    /// Creates the output for the fits of one channel of a part.
-    pub fn new(part: &MeasuredPart, channel: usize, fits: &[RankedFit]) -> Self {
+impl<'a> FitFile<'a> {
+    /// Creates the output for the fits of one channel of a part, with the notes and warnings on the file.
+    pub fn new(
+        part: &MeasuredPart,
+        channel: usize,
+        fits: &[RankedFit],
+        [notes, warnings]: [&'a [String]; 2],
+    ) -> Self {
         let one = |RankedFit { fit, score }: &RankedFit| OneFit {
             model: fit.model.kind.name(),
             parameters: fit
@@ -256,6 +273,6 @@ impl FitFile {
             converged: fit.converged,
         };
         let channel = part.channels.get(channel).map(ToString::to_string).unwrap_or_default();
-        Self { way: part.way.name(), channel, fits: fits.iter().map(one).collect() }
+        Self { way: part.way.name(), channel, notes, warnings, fits: fits.iter().map(one).collect() }
     }
 }

@@ -50,6 +50,8 @@ pub enum Problem {
     },
     /// The bytes are not UTF-8.
     NotUtf8,
+    /// The bytes are a text in UTF-16 where UTF-8 is expected.
+    Utf16,
     /// A picture in place of a text.
     Picture {
         /// Format of the picture.
@@ -175,6 +177,8 @@ impl Problem {
             Self::NotUtf8 => {
                 Diagnostic::new("this file is not text in UTF-8").hint("save it as plain text in UTF-8")
             }
+            Self::Utf16 => Diagnostic::new("this file is not text in UTF-8: it looks like UTF-16")
+                .hint("save it as UTF-8"),
             Self::Picture { format } => {
                 Diagnostic::new(format!("this is a picture, {}", a_file(format))).expected("a text in UTF-8")
             }

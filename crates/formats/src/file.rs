@@ -9,6 +9,7 @@ use papilio_diagnostics::{Diagnostic, Place};
 use crate::error::{FormatError, Problem};
 use crate::inputs::check_output;
 use crate::picture::picture_for_text;
+use crate::table::is_utf_16;
 use crate::temporary::{Temporary, remove_abandoned_once};
 
 /// Largest size of an input file, bytes; files of measured scattering have a limit of their own.
@@ -60,6 +61,9 @@ impl DataFile {
     /// If the content is not UTF-8; the error of a text has the place of the first invalid byte.
     pub fn text(&self) -> Result<&str, FormatError> {
         let bytes = self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&self.bytes);
+        if is_utf_16(bytes) {
+            return Err(FormatError::whole(&self.name, Problem::Utf16));
+        }
         std::str::from_utf8(bytes).map_err(|e| {
             if let Some(format) = picture_for_text(bytes) {
                 return FormatError::whole(&self.name, Problem::Picture { format });
@@ -273,8 +277,14 @@ mod tests {
         ] {
             assert_eq!(error(bytes), FormatError::whole("x", Problem::Picture { format }));
         }
-        for bytes in [&b"%PDF-1.7\n\x00\xff"[..], b"\x1f\x8b\x08\x00\xff", b"\xff\xfe[\0d\0"] {
+        for bytes in [&b"%PDF-1.7\n\x00\xff"[..], b"\x1f\x8b\x08\x00\xff"] {
             assert_eq!(error(bytes), FormatError::whole("x", Problem::NotUtf8));
+        }
+        // With and without a byte order mark.
+        for bytes in [&b"\xff\xfe[\0d\0"[..], b"\xfe\xff\0[\0d", b"[\0d\0]\0", b"\0[\0d\0]"] {
+            let found = error(bytes);
+            assert_eq!(found, FormatError::whole("x", Problem::Utf16));
+            assert!(found.to_string().contains("it looks like UTF-16"), "{found}");
         }
     }
 }

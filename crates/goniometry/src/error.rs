@@ -7,7 +7,7 @@ use crate::fit::SPARE_CELLS;
 pub enum GoniometryError {
     /// A fit needs more cells with light than it has parameters.
     #[error(
-        "{cells} cells hold a value; a fit of {parameters} parameters needs {SPARE_CELLS} more than that"
+        "{cells} cells hold a value above 0; a fit of {parameters} parameters needs {SPARE_CELLS} more than that"
     )]
     TooFewCells {
         /// Cells with a value.

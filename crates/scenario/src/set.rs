@@ -97,6 +97,13 @@ fn axis(text: &str, source: usize, errors: &mut Errors) -> Option<Node> {
         errors.push(at(0, text.len()), wrong.expected(example));
         return None;
     };
+    if let Some(plain) = without_quotes(key, values) {
+        let wrong =
+            Diagnostic::new("an axis has no quotes or brackets around its key, its values or the whole");
+        let wrong = wrong.expected("KEY=VALUES, with FROM:TO:STEP or values with commas between them");
+        errors.push(at(0, text.len()), wrong.hint(format!("--axis {plain}")));
+        return None;
+    }
     let begin = key.len() + 1;
     let mut parse = |text: &str, from: usize| {
         let (node, wrong) = Node::parse_value(text, from, source);
@@ -130,6 +137,23 @@ fn axis(text: &str, source: usize, errors: &mut Errors) -> Option<Node> {
     let node = Node { origin: at(begin, text.len()), value };
     let entry = Entry { key: key.trim().to_owned(), key_origin: at(0, key.len()), node };
     Some(Node { origin: at(0, text.len()), value: Value::Table(vec![entry]) })
+}
+
+/// Returns an axis without the quotes or brackets that do not belong to it, if there are any: those of another shell, or around a range.
+fn without_quotes(key: &str, values: &str) -> Option<String> {
+    const PAIRS: [(char, char); 3] = [('"', '"'), ('\'', '\''), ('[', ']')];
+    let (key, values) = (key.trim(), values.trim());
+    if let Some((open, close)) = PAIRS.into_iter().find(|pair| key.starts_with(pair.0)) {
+        let bare = key.trim_matches([open, close]);
+        // Those around the whole end after the values; a list has brackets of its own.
+        let whole = !key.ends_with(close) && !values.starts_with(open);
+        return Some(format!("{bare}={}", if whole { values.trim_end_matches(close) } else { values }));
+    }
+    let inner = |(open, close)| values.strip_prefix(open)?.strip_suffix(close);
+    let [quoted, literal, listed] = PAIRS.map(inner);
+    let several = quoted.or(literal).filter(|inner| inner.contains(',') && !inner.contains(['"', '\'']));
+    let ranged = quoted.or(literal).or(listed).filter(|inner| range(inner).is_some());
+    several.or(ranged).map(|inner| format!("{key}={inner}"))
 }
 
 /// Place of a path in a text.
@@ -256,5 +280,33 @@ fn drop_excluded(table: &mut Node, key: &str) {
             _ => continue,
         };
         entries.retain(|entry| entry.key != excluded || entry.node.origin.source != Origin::FILE.source);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_and_brackets_around_an_axis_are_found() {
+        let plain = |axis: &str| axis.split_once('=').and_then(|(key, values)| without_quotes(key, values));
+        for axis in [
+            "[a.b]=0,10",
+            "\"a.b=0,10\"",
+            "'a.b=0,10'",
+            "\"a.b\"=0,10",
+            "[a.b=0,10]",
+            "a.b='0,10'",
+            "a.b=\"0,10\"",
+        ] {
+            assert_eq!(plain(axis).as_deref(), Some("a.b=0,10"), "{axis}");
+        }
+        assert_eq!(plain("a.b=[0:30:10]").as_deref(), Some("a.b=0:30:10"));
+        assert_eq!(plain("a.b=\"0:30:10\"").as_deref(), Some("a.b=0:30:10"));
+        for right in
+            ["a.b=0,10", "a.b=[0,10]", "a.b=\"D65\",\"A\"", "a.b=\"D65\"", "a.b=0:30:10", "a.b={ from = 0 }"]
+        {
+            assert_eq!(plain(right), None, "{right}");
+        }
     }
 }

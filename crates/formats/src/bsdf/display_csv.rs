@@ -66,6 +66,8 @@ pub struct MirrorFile<'a> {
     papilio: &'a str,
     title: &'a str,
     hash: &'a str,
+    notes: &'a [String],
+    warnings: &'a [String],
     conventions: &'static str,
     theta_i_deg: &'a [f64],
     wavelength_nm: &'a [f64],
@@ -82,8 +84,13 @@ struct MirrorOfState<'a> {
 }
 
 impl<'a> MirrorFile<'a> {
-    /// Mirror part of a table whose states have files of these names.
-    pub fn new(source: &BsdfSource<'a>, table: &'a BrdfTable, files: &'a [String]) -> Self {
+    /// Mirror part of a table whose states have files of these names, with the notes and warnings on it.
+    pub fn new(
+        source: &BsdfSource<'a>,
+        [notes, warnings]: [&'a [String]; 2],
+        table: &'a BrdfTable,
+        files: &'a [String],
+    ) -> Self {
         let bins = table.wavelength_nm.len().max(1);
         let of_state = |(state, file): (&'a BrdfState, &'a String)| {
             let found = MirrorOfState {
@@ -99,6 +106,8 @@ impl<'a> MirrorFile<'a> {
             papilio: source.papilio,
             title: source.title,
             hash: source.hash,
+            notes,
+            warnings,
             conventions: "specular: fraction of a beam that leaves in the mirror direction; directional_hemispherical: fraction that \
                           leaves in any direction, scattered and mirrored; both [theta_i][wavelength]; directions in air; unpolarised",
             theta_i_deg: &table.grid.theta_i_deg,

@@ -125,10 +125,25 @@ fn averages(part: &MeasuredPart, channel: usize, lost: &mut Vec<String>) -> Resu
         _ => None,
     };
     let has_lobe = pairs.map_or(part.geometry.is_isotropic(), |pairs| pairs >= FEWEST_PAIRS);
-    let lobe = has_lobe.then(|| lobe_patch_means(part, channel, &KLEMS_FULL).ok()).flatten();
-    if let Some((means, changes)) = lobe {
-        extrapolated(&changes, part, lost);
-        return Ok(means);
+    if has_lobe {
+        match lobe_patch_means(part, channel, &KLEMS_FULL) {
+            Ok((means, changes)) => {
+                extrapolated(&changes, part, lost);
+                return Ok(means);
+            }
+            // A dark part needs no lobe.
+            Err(_) if pairs.is_none() && part.channel(channel).iter().any(|value| *value > 0.0) => {
+                let line = format!(
+                    "the {} has no smooth lobe: its means are those of its values at {} points of each patch",
+                    part.way.name(),
+                    POINTS[0] * POINTS[1]
+                );
+                if !lost.contains(&line) {
+                    lost.push(line);
+                }
+            }
+            Err(_) => {}
+        }
     }
     if pairs.is_some() {
         let what = "fewer than 12 different pairs of directions, or no light";

@@ -188,6 +188,13 @@ fn of_any_format(file: &DataFile, part: Option<ScatterMode>) -> Result<BsdfFile,
         problem: BsdfProblem::PartOfCircle { from_deg, to_deg, in_one_plane }.into(),
     };
     read.measurement.parts = parts.collect::<Result<_, _>>().map_err(uncovered)?;
+    let mut values = read.measurement.parts.iter().flat_map(|part| &part.values).peekable();
+    if values.peek().is_some() && values.all(|value| *value <= 0.0 || value.is_nan()) {
+        read.warnings.push(
+            "no value of the file is above 0: it scatters no light; was the lamp off, or were the values rounded when they were written?"
+                .to_owned(),
+        );
+    }
     Ok(read)
 }
 

@@ -163,9 +163,12 @@ fn meaning(
             _ => "of an unknown type".to_owned(),
         };
         if found != "lin_rec709_scene" {
-            notes.push(format!(
-                "colorInteropID {found} is not used: primaries are those of `chromaticities`, or of sRGB"
-            ));
+            let instead = match set {
+                ChannelSet::Xyz(_) => "the channels are X, Y and Z",
+                ChannelSet::Spectral(_) | ChannelSet::Grey(_) => "the channels are not red, green and blue",
+                _ => "primaries are those of `chromaticities`, or of sRGB",
+            };
+            notes.push(format!("colorInteropID {found} is not used: {instead}"));
         }
     }
 }

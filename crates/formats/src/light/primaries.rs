@@ -54,7 +54,12 @@ pub(super) fn to_srgb(map: &mut LightMap, primaries: Primaries) -> Result<(), Di
         (0..3).for_each(|k| map.channels[k].radiance[pixel] = to[k] as f32);
     }
     map.notes.push(format!(
-        "its colours are converted from the primaries that the file states to sRGB{}",
+        "{} to sRGB{}",
+        if primaries == XYZ {
+            "its X, Y and Z are converted"
+        } else {
+            "its colours are converted from the primaries that the file states"
+        },
         match outside {
             0 => String::new(),
             _ => format!(

@@ -36,6 +36,12 @@ pub(crate) fn decode(bytes: &[u8]) -> Option<Cow<'_, str>> {
     Some(text)
 }
 
+/// Returns whether a content is a text in UTF-16.
+pub(crate) fn is_utf_16(bytes: &[u8]) -> bool {
+    let has_mark = bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]);
+    has_mark || is_zero(bytes, 0) || is_zero(bytes, 1)
+}
+
 /// Returns whether every other byte at the beginning is 0, from byte `first`, and the bytes between are not.
 fn is_zero(bytes: &[u8], first: usize) -> bool {
     let (pairs, rest) = bytes.as_chunks::<2>();

@@ -20,7 +20,7 @@ pub(crate) mod rows;
 mod units;
 
 pub(crate) use dialect::{Dialect, number};
-pub(crate) use encoding::decode;
+pub(crate) use encoding::{decode, is_utf_16};
 pub(crate) use header::{Column, Header, body, unknown};
 pub(crate) use names::ColumnName;
 pub(crate) use quantities::Quantity;

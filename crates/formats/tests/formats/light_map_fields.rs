@@ -314,6 +314,7 @@ fn luminance_with_chroma_and_x_y_z_are_colours() {
     let xyz = exr_of(8, 4, &[("X", &|_| 0.950_456), ("Y", &|_| 1.0), ("Z", &|_| 1.089_058)]);
     let map = read(&xyz).unwrap();
     assert!(map.channels.iter().all(|channel| (channel.radiance[3] - 1.0).abs() < 1e-3), "{map:?}");
+    assert!(map.notes.contains(&"its X, Y and Z are converted to sRGB".to_owned()), "{:?}", map.notes);
     let grey = read(&exr_of(8, 4, &[("Y", &|_| 1.0)])).unwrap();
     assert_eq!((grey.channels.len(), grey.channels[0].colour), (1, MapColour::Grey));
 }

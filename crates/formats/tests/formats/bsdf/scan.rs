@@ -217,6 +217,29 @@ fn listed_pairs_in_any_order_are_written_in_the_other_formats() {
 /// A perfect diffuser of one incidence: at 60 deg, the part of the unit disc outside the one that was measured, shifted by
 /// sin 60 deg, is extrapolated.
 #[test]
+fn values_that_are_all_0_are_warned_of() {
+    let dark = read_part("theta_deg,btdf\n0,0\n10,0\n20,0\n90,0\n", None);
+    assert!(dark.warnings[0].starts_with("no value of the file is above 0"), "{:?}", dark.warnings);
+    assert!(read_part("theta_deg,btdf\n0,1\n10,0\n90,0\n", None).warnings.is_empty());
+}
+
+/// Light at 90 deg alone gives no lobe of a display.
+#[test]
+fn klems_matrices_of_values_without_a_lobe_say_so() {
+    let rows = |theta_i: f64| -> String {
+        let outgoing = (0..=8).flat_map(|k| (0..12).map(move |j| (10 * k, 30 * j)));
+        outgoing.map(|(theta, phi)| format!("{theta_i},0,{theta},{phi},0.3\n")).collect()
+    };
+    let lost = |theta_i: f64| {
+        let table = format!("theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,brdf\n{}", rows(theta_i));
+        written(BsdfFormat::Klems, &read(table)).1
+    };
+    let says_so = |lost: Vec<String>| lost.iter().any(|line| line.contains("has no smooth lobe"));
+    assert!(says_so(lost(90.0)), "{:?}", lost(90.0));
+    assert!(!says_so(lost(30.0)), "{:?}", lost(30.0));
+}
+
+#[test]
 fn extrapolated_light_of_a_scan_is_stated_by_klems_matrices() {
     let rows: String = (0..=90).map(|theta| format!("{theta},0.2\n")).collect();
     let lost = written(BsdfFormat::Klems, &read(format!("theta_deg,brdf\n{rows}"))).1;

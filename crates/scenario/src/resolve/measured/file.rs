@@ -83,6 +83,15 @@ impl Resolver<'_> {
                 .hint_if(hint);
             self.errors.push(source.file, wrong);
         }
+        let is_lit = |part: &&goniometry::MeasuredPart| part.values.iter().any(|value| *value > 0.0);
+        if part.is_some() && part.filter(is_lit).is_none() {
+            let wrong =
+                Diagnostic::new(format!("all values of the {} of this file are 0: it is black", way.name()))
+                    .expected("values in 1/sr, some of them above 0")
+                    .hint("was the lamp off, or were the values rounded when they were written?");
+            self.errors.push(source.file, wrong);
+            return None;
+        }
         part
     }
 
