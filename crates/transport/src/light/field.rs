@@ -4,8 +4,8 @@
 //! A field consists of cells, rows of inclination times equal columns of azimuth with uniform radiance in
 //! each (exact for rings, and for a map over a horizontal display); or of the [`Pixels`] of a map in any
 //! orientation; or of a formula ([`Radiance`]). Pixels and formulas are evaluated for look-ups and for means
-//! over a view. Sums of the light with smooth functions integrate a formula, and use cells with the light of
-//! the pixels. Radiance is stored for unit irradiance in the display plane: its integral over direction
+//! over a view, and integrated for sums of the light with smooth functions ([`gathered`]: pixels in any
+//! orientation). Radiance is stored for unit irradiance in the display plane: its integral over direction
 //! cosines is 1.
 //!
 //! [`Field::sample`] samples directions (inverse cumulative distributions of rows, then of columns; uniform
@@ -21,6 +21,7 @@ use std::sync::Arc;
 use papilio_optics::Beta;
 
 use super::formula::{Edge, Formula, Polar, Radiance};
+use super::gathered::{self, Channel, Gathered, ROWS, edges_deg, gather, means};
 use super::pixels::Pixels;
 
 /// Radiance by direction, zero outside its rows.
@@ -40,12 +41,13 @@ enum Exact {
     Pixels(Arc<UnitPixels>),
 }
 
-/// Pixels, the factor that makes their irradiance one, and cells with their light.
+/// Pixels, and the factor that makes their irradiance one.
 #[derive(Debug, PartialEq)]
 struct UnitPixels {
     pixels: Pixels,
     scale: f64,
-    cells: Cells,
+    /// Their light, unless their pole is the normal.
+    gathered: Option<Gathered>,
 }
 
 /// A formula, and the factor that makes its irradiance one.
@@ -61,8 +63,8 @@ pub(crate) enum Light<'a> {
     Cells(Lit<'a>),
     /// A formula, and the factor of its radiances.
     Formula(&'a Formula, f64),
-    /// Pixels, the factor of their radiances, and cells with about the same light.
-    Pixels(&'a Pixels, f64, Lit<'a>),
+    /// Pixels, the factor of their radiances, and their light unless their pole is the normal.
+    Pixels(&'a Pixels, f64, Option<&'a Gathered>),
 }
 
 /// Lit rows of cells.
@@ -119,23 +121,33 @@ impl Field {
         Some((Self { cells, light: Exact::Cells }, irradiance))
     }
 
-    /// Builds a field from pixels; returns it with its irradiance and its integral over the solid angle above
-    /// the display. Sums of the light with smooth functions use cells, as of [`Field::new`] with their first
-    /// column at `turn_deg`, that have approximately the light of the pixels, at any scale.
-    pub fn of_pixels(
-        pixels: Pixels,
-        edges_deg: &[f64],
-        columns: usize,
-        turn_deg: f64,
-        radiance: Vec<f64>,
-    ) -> Option<(Self, [f64; 2])> {
-        let turned = |radiance| Some(Cells::new(edges_deg, columns, radiance)?.0.turned(turn_deg));
-        let sampled = turned(wherever(radiance.clone()))?;
-        let cells = turned(radiance)?;
+    /// Builds a field from each channel of a picture, all with the same frame and the same number of columns;
+    /// returns it with its irradiance and its integral over the solid angle above the display. `None` for a
+    /// channel without light.
+    pub fn of_pixels(channels: Vec<Pixels>) -> Vec<Option<(Self, [f64; 2])>> {
+        if channels.iter().all(Pixels::is_level) {
+            return channels.into_iter().map(Self::of_level_pixels).collect();
+        }
+        let gathered = gather(&channels);
+        let field = |(pixels, Channel { gathered, cells }): (Pixels, Channel)| {
+            let (sampled, _) = Cells::new(&edges_deg(ROWS), gathered::COLUMNS, wherever(cells))?;
+            Self::of_sampled(sampled, pixels, Some(gathered))
+        };
+        channels.into_iter().zip(gathered).map(field).collect()
+    }
+
+    fn of_level_pixels(pixels: Pixels) -> Option<(Self, [f64; 2])> {
+        let ([rows, columns], cells) = means(&pixels);
+        let (sampled, _) = Cells::new(&edges_deg(rows), columns, wherever(cells))?;
+        let sampled = sampled.turned(pixels.azimuth().to_degrees());
+        Self::of_sampled(sampled, pixels, None)
+    }
+
+    fn of_sampled(cells: Cells, pixels: Pixels, gathered: Option<Gathered>) -> Option<(Self, [f64; 2])> {
         let [irradiance, light] = pixels.light();
-        let unit = UnitPixels { pixels, scale: 1.0 / irradiance, cells };
+        let unit = UnitPixels { pixels, scale: 1.0 / irradiance, gathered };
         (irradiance > 0.0 && irradiance.is_finite())
-            .then(|| (Self { cells: sampled, light: Exact::Pixels(Arc::new(unit)) }, [irradiance, light]))
+            .then(|| (Self { cells, light: Exact::Pixels(Arc::new(unit)) }, [irradiance, light]))
     }
 
     /// Returns a field of cells whose first column begins at this azimuth.
@@ -236,7 +248,7 @@ impl Field {
         match &self.light {
             Exact::Cells => Light::Cells(self.cells.lit()),
             Exact::Formula(OfUnit { formula, scale }) => Light::Formula(formula, *scale),
-            Exact::Pixels(unit) => Light::Pixels(&unit.pixels, unit.scale, unit.cells.lit()),
+            Exact::Pixels(unit) => Light::Pixels(&unit.pixels, unit.scale, unit.gathered.as_ref()),
         }
     }
 }

@@ -195,9 +195,12 @@ impl<'a> Rows<'a> {
             pixels.frame
         };
         let middle = inclination(rotated(&frame, axis));
-        let mut rows = pixels.rows_within([middle - view.half_angle(), middle + view.half_angle()], flipped);
-        rows.iter_mut().flat_map(|(_, row)| row).for_each(|value| *value *= scale);
-        Self { rows: rows.into_iter().map(|(edges, row)| (edges, Cow::Owned(row))).collect(), frame }
+        let rows = pixels.rows_within([middle - view.half_angle(), middle + view.half_angle()], flipped);
+        let scaled = |(edges, mut row): ([f64; 2], Vec<f64>)| {
+            row.iter_mut().for_each(|value| *value *= scale);
+            (edges, Cow::Owned(row))
+        };
+        Self { rows: rows.map(scaled).collect(), frame }
     }
 }
 

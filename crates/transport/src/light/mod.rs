@@ -3,6 +3,7 @@
 pub(crate) mod cone_points;
 pub(crate) mod field;
 pub(crate) mod formula;
+pub(crate) mod gathered;
 pub(crate) mod images;
 pub(crate) mod pixels;
 pub(crate) mod polarised;

@@ -30,8 +30,29 @@ const PARTS: usize = 4;
 const POINTS: usize = 8;
 
 impl Pixels {
-    fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.radiance.len() / self.columns
+    }
+
+    /// Returns the height and the width of a pixel: its inclinations and its azimuths, radians.
+    pub(crate) fn steps(&self) -> [f64; 2] {
+        [PI / self.rows() as f64, TAU / self.columns as f64]
+    }
+
+    /// Returns true if its pole is the normal of the display.
+    pub(crate) fn is_level(&self) -> bool {
+        self.frame[2] == [0.0, 0.0, 1.0]
+    }
+
+    /// Returns the azimuth of the display at which its first column begins, radians, if its pole is the normal.
+    pub(crate) fn azimuth(&self) -> f64 {
+        self.frame[0][1].atan2(self.frame[0][0])
+    }
+
+    /// Returns the direction of the display of this inclination and azimuth (sines and cosines).
+    pub(crate) fn direction(&self, (sin, cos): (f64, f64), (sin_turn, cos_turn): (f64, f64)) -> [f64; 3] {
+        let [x, y, pole] = &self.frame;
+        std::array::from_fn(|k| sin * (cos_turn * x[k] + sin_turn * y[k]) + cos * pole[k])
     }
 
     /// Returns the radiance of light from a direction of the display.
@@ -83,21 +104,34 @@ impl Pixels {
         sums
     }
 
+    /// Returns the inclinations between which the rows above its equator are lit; `None` if they are dark.
+    pub(crate) fn lit_above(&self) -> Option<[f64; 2]> {
+        let high = PI / self.rows() as f64;
+        let above = self.radiance.chunks_exact(self.columns).take(self.rows() / 2).enumerate();
+        let lit = above.filter(|(_, row)| row.iter().any(|value| *value > 0.0)).map(|(row, _)| row);
+        let (first, last) = lit.fold((usize::MAX, 0), |(first, last), row| (first.min(row), last.max(row)));
+        (first <= last).then(|| [high * first as f64, (high * (last + 1) as f64).min(FRAC_PI_2)])
+    }
+
     /// Returns the rows at inclinations from one to another, radians: the inclinations between which each
     /// lies, and its radiances; from the opposite pole if `flipped`, with azimuths in the opposite sense.
-    pub(crate) fn rows_within(&self, [from, to]: [f64; 2], flipped: bool) -> Vec<([f64; 2], Vec<f64>)> {
+    pub(crate) fn rows_within(
+        &self,
+        [from, to]: [f64; 2],
+        flipped: bool,
+    ) -> impl Iterator<Item = ([f64; 2], Vec<f64>)> {
         let rows = self.rows();
         let high = PI / rows as f64;
         let first = (from / high).floor().max(0.0) as usize;
         let last = ((to / high).ceil() as usize).min(rows);
-        let row = |row: usize| {
+        let row = move |row: usize| {
             let stored = if flipped { rows - 1 - row } else { row };
             let pixels =
                 self.radiance[stored * self.columns..][..self.columns].iter().map(|value| f64::from(*value));
             let pixels = if flipped { pixels.rev().collect() } else { pixels.collect() };
             ([row, row + 1].map(|edge| high * edge as f64), pixels)
         };
-        (first..last).map(row).collect()
+        (first..last).map(row)
     }
 }
 

@@ -4,16 +4,20 @@
 //! view's mirror direction. A field is rough, down to its cells. Therefore the response of the view is
 //! interpolated (product integration): over inclination by polynomials on panels graded around the peaks,
 //! over azimuth by trigonometric polynomials. The weights of their nodes are integrals of the field: exact
-//! ones for cells (also those that represent pixels); for a formula, by rules that take into account where it
-//! is not smooth ([`Formula`]). The number of directions is that of the smooth response, however many cells
+//! ones for cells and for pixels in rows of inclination; for other pixels, sums over directions
+//! ([`super::gathered`]); for a formula, by rules that take into account where it is not smooth
+//! ([`Formula`]). The number of directions is that of the smooth response, however many cells
 //! there are; weights may be negative.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
+use num_complex::Complex64;
+use papilio_fourier::Circle;
 use papilio_optics::Beta;
 
-use super::field::{Light, Lit};
+use super::field::Light;
 use super::formula::Formula;
+use super::gathered::{self, Split, Spot, lagrange};
 use crate::light::cone_points::Point;
 use crate::numerics::quadrature::{Node, Pole, gauss, legendre, panels, points_for};
 use crate::{Cone, Field};
@@ -70,12 +74,19 @@ impl Ring {
 pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
     let light = field.light();
     let span = match &light {
-        Light::Cells(lit) | Light::Pixels(.., lit) => {
+        Light::Cells(lit) => {
             lit.rows.first().zip(lit.rows.last()).map(|(first, last)| [first.0[0], last.0[1]])
         }
         Light::Formula(formula, _) => Some(formula.span()),
+        Light::Pixels(pixels, _, None) => pixels.lit_above(),
+        Light::Pixels(.., Some(_)) => Some([0.0, FRAC_PI_2]),
     };
     let Some([from, to]) = span else { return Vec::new() };
+    let split = match &light {
+        Light::Pixels(pixels, scale, Some(gathered)) => Some(gathered.split(pixels, *scale, peaks, digits)),
+        _ => None,
+    };
+    let mut transforms = Transforms::default();
     let centres: Vec<f64> = peaks.views.iter().flat_map(|view| radii(view, peaks.width)).collect();
     let mut poles: Vec<Pole> = Vec::new();
     for pole in centres.iter().map(|at| Pole { at: *at, off: peaks.width }.in_arc(1.0)) {
@@ -89,12 +100,18 @@ pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
         let radii = || panel.nodes.iter().map(|angle| angle.sin());
         let orders: Vec<usize> =
             radii().map(|radius| orders(radius, &centres, peaks.width, digits)).collect();
-        let harmonics = match &light {
-            Light::Cells(lit) | Light::Pixels(.., lit) => {
-                let columns = panel.columns(lit);
-                columns.iter().zip(&orders).map(|(columns, m)| of_columns(columns, lit.turn, *m)).collect()
+        let harmonics = match (&light, &split) {
+            (Light::Cells(lit), _) => {
+                let columns = lit.rows.first().map_or(0, |row| row.1.len());
+                let sums = panel.columns(columns, 1.0, lit.rows.iter().map(|(edges, row)| (*edges, *row)));
+                transforms.of_columns(&sums, lit.turn, &orders)
             }
-            Light::Formula(formula, scale) => panel.harmonics(formula, *scale, &orders, digits),
+            (Light::Pixels(pixels, scale, _), None) => {
+                let sums = panel.columns(pixels.columns, *scale, pixels.rows_within([from, to], false));
+                transforms.of_columns(&sums, pixels.azimuth(), &orders)
+            }
+            (Light::Pixels(..), Some(split)) => panel.of_points(split, &orders, &mut transforms),
+            (Light::Formula(formula, scale), _) => panel.harmonics(formula, *scale, &orders, digits),
         };
         for ((radius, mut harmonics), orders) in radii().zip(harmonics).zip(orders) {
             harmonics.truncate(orders + 1);
@@ -159,16 +176,66 @@ impl Panel {
         }
     }
 
-    /// Returns for each node its light, by column of the field.
-    fn columns(&self, lit: &Lit<'_>) -> Vec<Vec<f64>> {
-        let columns = lit.rows.first().map_or(0, |row| row.1.len());
+    /// Returns for each node the light, times a factor, of rows that are uniform between two inclinations, by
+    /// column.
+    fn columns<R: AsRef<[f64]>>(
+        &self,
+        columns: usize,
+        scale: f64,
+        rows: impl Iterator<Item = ([f64; 2], R)>,
+    ) -> Vec<Vec<f64>> {
         let width = TAU / columns.max(1) as f64;
         let mut sums = vec![vec![0.0; columns]; self.nodes.len()];
-        for ([start, end], row) in &lit.rows {
+        for ([start, end], row) in rows {
             let (from, to) = (start.max(self.from), end.min(self.to));
             if from < to {
                 for (sum, moment) in sums.iter_mut().zip(self.moments(from, to)) {
-                    sum.iter_mut().zip(*row).for_each(|(sum, value)| *sum += moment * width * value);
+                    add(sum, row.as_ref(), scale * moment * width);
+                }
+            }
+        }
+        sums
+    }
+
+    /// Returns for each node the harmonics, up to its azimuthal orders, of light from single directions.
+    fn of_points(
+        &self,
+        split: &Split<'_>,
+        orders: &[usize],
+        transforms: &mut Transforms,
+    ) -> Vec<Vec<[f64; 2]>> {
+        let mut sums = vec![vec![0.0; gathered::COLUMNS]; self.nodes.len()];
+        for (angle, row) in split.rows(self.from, self.to) {
+            for (sum, value) in sums.iter_mut().zip(self.values(angle)) {
+                add(sum, row, value);
+            }
+        }
+        // Points in the middles of columns; finer waves than their distance are those of points of their own.
+        let mut harmonics = transforms.of_points(&sums, 0.5, orders);
+        let points = split.points(self.from, self.to);
+        if !points.is_empty() {
+            let near = transforms.of_points(&self.around(points, orders), 0.0, orders);
+            for (all, near) in harmonics.iter_mut().flatten().zip(near.iter().flatten()) {
+                all[0] += near[0];
+                all[1] += near[1];
+            }
+        }
+        harmonics
+    }
+
+    /// Returns for each node the light of these points, distributed among azimuths so close together that
+    /// waves of these orders keep their integrals.
+    fn around(&self, points: &[Spot], orders: &[usize]) -> Vec<Vec<f64>> {
+        let most = orders.iter().copied().max().unwrap_or(0);
+        let count = (AZIMUTHS_PER_WAVE * (most + 1)).next_power_of_two().max(64);
+        let mut sums = vec![vec![0.0; count]; self.nodes.len()];
+        for spot in points {
+            let along = spot.phi.rem_euclid(TAU) / TAU * count as f64;
+            let first = along.floor() + (count - 2) as f64;
+            let weights: [f64; 6] = lagrange(along - along.floor() + 2.0);
+            for (sum, value) in sums.iter_mut().zip(self.values(spot.theta)) {
+                for (k, weight) in weights.iter().enumerate() {
+                    sum[(first as usize + k) % count] += spot.light * value * weight;
                 }
             }
         }
@@ -220,29 +287,74 @@ impl Panel {
     }
 }
 
-/// Returns the integrals of `exp(-i m phi)`, real and imaginary parts, up to these orders, of light that is
-/// uniform within columns, of which the first begins at this azimuth.
-fn of_columns(columns: &[f64], turn: f64, orders: usize) -> Vec<[f64; 2]> {
-    let parts = columns.len();
-    let whole: f64 = columns.iter().sum();
-    if parts == 1 {
-        return vec![[whole, 0.0]];
+/// Azimuths among which the light of a point is distributed, per wave of the highest order.
+const AZIMUTHS_PER_WAVE: usize = 8;
+
+/// Adds a multiple of a row.
+fn add(sum: &mut [f64], row: &[f64], factor: f64) {
+    sum.iter_mut().zip(row).for_each(|(sum, value)| *sum += factor * value);
+}
+
+/// Fourier series over azimuth: integrals of `exp(-i m phi)`, real and imaginary parts, by node, up to the
+/// orders of each.
+#[derive(Default)]
+struct Transforms {
+    /// By their number of steps.
+    circles: Vec<(usize, Circle)>,
+}
+
+impl Transforms {
+    /// Returns those of light that is uniform within columns, of which the first begins at this azimuth.
+    fn of_columns(&mut self, sums: &[Vec<f64>], turn: f64, orders: &[usize]) -> Vec<Vec<[f64; 2]>> {
+        let of = |(columns, orders): (&Vec<f64>, &usize)| {
+            let parts = columns.len();
+            let whole = [columns.iter().sum(), 0.0];
+            if parts == 1 {
+                return vec![whole];
+            }
+            let step = TAU / parts as f64;
+            let waves = self.waves(columns);
+            let of = |m: usize| {
+                // Mean over a column.
+                let half = 0.5 * step * m as f64;
+                turned(waves[m % parts] * (half.sin() / half), m, turn + 0.5 * step)
+            };
+            std::iter::once(whole).chain((1..=*orders).map(of)).collect()
+        };
+        sums.iter().zip(orders).map(of).collect()
     }
-    let half_steps = circle(2 * parts);
-    let of = |m: usize| {
-        // Mean over a column.
-        let half_width = PI * m as f64 / parts as f64;
-        let mean = half_width.sin() / half_width;
-        let (mut cos, mut sin) = (0.0, 0.0);
-        for (k, column) in columns.iter().enumerate() {
-            let [c, s] = half_steps[m * (2 * k + 1) % (2 * parts)];
-            cos += column * c;
-            sin += column * s;
-        }
-        let (sin_turn, cos_turn) = (m as f64 * turn).sin_cos();
-        [mean * (cos * cos_turn - sin * sin_turn), -mean * (sin * cos_turn + cos * sin_turn)]
-    };
-    std::iter::once([whole, 0.0]).chain((1..=orders).map(of)).collect()
+
+    /// Returns those of light from single azimuths, of which the first is at this fraction of their distance.
+    /// They have no waves shorter than two distances.
+    fn of_points(&mut self, sums: &[Vec<f64>], first: f64, orders: &[usize]) -> Vec<Vec<[f64; 2]>> {
+        let of = |(points, orders): (&Vec<f64>, &usize)| {
+            let (count, waves) = (points.len(), self.waves(points));
+            let of = |m: usize| {
+                let wave = if 2 * m < count { waves[m] } else { Complex64::ZERO };
+                turned(wave, m, first * TAU / count as f64)
+            };
+            (0..=*orders).map(of).collect()
+        };
+        sums.iter().zip(orders).map(of).collect()
+    }
+
+    /// Returns the sums of `value exp(-2 pi i m k / count)` over all k, for each m.
+    fn waves(&mut self, values: &[f64]) -> Vec<Complex64> {
+        let count = values.len();
+        let known = self.circles.iter().position(|(steps, _)| *steps == count).unwrap_or_else(|| {
+            self.circles.push((count, Circle::new(count)));
+            self.circles.len() - 1
+        });
+        let mut waves: Vec<Complex64> = values.iter().map(|value| Complex64::from(*value)).collect();
+        self.circles[known].1.orders(&mut waves);
+        waves
+    }
+}
+
+/// Returns a wave of this order times `exp(-i m azimuth)`.
+fn turned(wave: Complex64, order: usize, azimuth: f64) -> [f64; 2] {
+    let turned = wave * Complex64::cis(-(order as f64) * azimuth);
+    [turned.re, turned.im]
 }
 
 /// Returns weights of `2 orders + 1` azimuths that represent light of these harmonics, exact for functions

@@ -11,8 +11,8 @@ use papilio_optics::lobe::Lobe;
 use papilio_sampling::Sampler;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
-    AngularTable, Cone, Diffuser, Edge, Field, Interface, Nodes, Radiance, Reflector, Source, Stack, Top,
-    specular_image,
+    AngularTable, Cone, Diffuser, Edge, Field, Interface, Nodes, Pixels, Radiance, Reflector, Source, Stack,
+    Top, specular_image,
 };
 
 fn source(field: Field) -> Source {
@@ -322,4 +322,60 @@ fn mean_over([theta, phi, half]: [f64; 3], f: impl Fn(Beta) -> f64) -> f64 {
         }
     }
     sum / f64::from(2 * rings * spokes)
+}
+
+/// A bright pixel of a map is seen through a lobe as the sum of beams from all of it, whether the lobe is wider
+/// or narrower than the pixel, for a horizontal and for a tilted display. (Earlier versions moved the light of
+/// large maps to the middles of cells of 0.35 deg, and were off by 17 % with a claimed error of 0.03 %.)
+#[test]
+fn bright_pixel_of_a_map_is_seen_where_it_is() {
+    let (sin, cos) = 20.0_f64.to_radians().sin_cos();
+    let level = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let tilted = level.map(|[x, y, z]| [x, cos * y + sin * z, cos * z - sin * y]);
+    for (columns, [row, column], frame, width) in [
+        (4096, [284, 1023], level, 0.01),
+        (4096, [284, 1023], level, 0.04),
+        (2048, [143, 100], tilted, 0.01),
+        (512, [47, 380], tilted, 0.01),
+        (512, [47, 381], tilted, 0.002),
+    ] {
+        let mut radiance = vec![0.0_f32; columns * columns / 2];
+        radiance[row * columns + column] = 1e4;
+        // A room that is a little lit.
+        radiance[(row + columns / 8) * columns + column] = 1e2;
+        let pixels = Pixels { columns, radiance: radiance.clone().into(), frame };
+        let lit = Field::of_pixels(vec![pixels]).remove(0).expect("it is lit").0;
+        let step = std::f64::consts::TAU / columns as f64;
+        let rule = papilio_optics::quadrature::legendre(if width < 0.01 { 18 } else { 6 }, 1e-14);
+        let mut sources = vec![source(lit)];
+        let mut weights = vec![];
+        for (pixel, value) in radiance.iter().enumerate().filter(|(_, value)| **value > 0.0) {
+            let at = |pixel: usize, node: f64| step * (pixel as f64 + 0.5 + 0.5 * node);
+            for ((down, of_down), (turn, of_turn)) in
+                rule.iter().flat_map(|one| rule.iter().map(move |other| (one, other)))
+            {
+                let (sin, cos) = at(pixel / columns, *down).sin_cos();
+                let (sin_turn, cos_turn) = at(pixel % columns, *turn).sin_cos();
+                let [x, y, z] = std::array::from_fn(|k| {
+                    sin * (cos_turn * frame[0][k] + sin_turn * frame[1][k]) + cos * frame[2][k]
+                });
+                assert!(z > 0.0, "it is above the display");
+                sources.push(Source::Beam(Beta { x: -x, y: -y }));
+                weights.push(f64::from(*value) * sin * z * of_down * of_turn);
+            }
+        }
+        let Source::Beam(first) = sources[1 + rule.len() * rule.len() / 2] else {
+            unreachable!("it is a beam")
+        };
+        let (theta, phi) = (first.length().asin().to_degrees(), first.y.atan2(first.x).to_degrees());
+        let stack = panel(top(width, 0.0), mirror(0.9)).stack();
+        let seen = [0.0, 1.0, 4.0, -6.0].map(|off| Cone::new(theta + off, phi, 0.0, 1.0));
+        for (view, found) in seen.iter().zip(views(1, &stack, &seen, &sources)) {
+            let rho = |source: usize| found.rho[source].via_pixel[0];
+            let beams: f64 = weights.iter().enumerate().map(|(k, weight)| weight * rho(k + 1)).sum();
+            let truth = beams / weights.iter().sum::<f64>();
+            let error = (rho(0) / truth - 1.0).abs();
+            assert!(error < 5e-4, "{columns} {width} {view:?}: {} {truth}, {error}", rho(0));
+        }
+    }
 }
