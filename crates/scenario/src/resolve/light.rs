@@ -53,11 +53,12 @@ impl Part {
         Ok(spectrum?.map(|v| v * self.weight))
     }
 
-    /// Means over 1 nm; the values at integer wavelengths if these represent the light.
-    fn means(&self, own: &Grid, is_fine_at_1_nm: bool) -> Result<Spectrum, SpectraError> {
+    /// Means over 1 nm; of smooth spectra and of the CIE's illuminants, which are summed over 1 nm by
+    /// definition, the values at integer wavelengths.
+    fn means(&self, own: &Grid) -> Result<Spectrum, SpectraError> {
         match &self.source {
-            Source::Table(table) if !is_fine_at_1_nm => Ok(table.means(own)?.map(|v| v * self.weight)),
-            Source::Led { .. } if !is_fine_at_1_nm => {
+            Source::Table(table) => Ok(table.means(own)?.map(|v| v * self.weight)),
+            Source::Led { .. } => {
                 let finer = Grid::new(own.start_nm(), own.stop_nm(), 1.0 / LED_PER_NM as f64)?;
                 Ok(sampling::means(&self.on(&finer)?, LED_PER_NM).into())
             }
@@ -127,8 +128,7 @@ impl Resolver<'_> {
     fn with_lines(&mut self, key: &str, parts: &[Part], loss: &Loss) -> Option<LightSpectrum> {
         let step = self.grid.step_nm();
         let means = |own: &Grid| {
-            let parts: Result<_, _> =
-                parts.iter().map(|part| part.means(own, loss.is_fine_at_1_nm)).collect();
+            let parts: Result<_, _> = parts.iter().map(|part| part.means(own)).collect();
             parts.map(|parts| sum(own, parts))
         };
         let light = self.grid.integers().and_then(|own| LightSpectrum::with_lines(&self.grid, means(&own)?));

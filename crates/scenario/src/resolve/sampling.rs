@@ -66,8 +66,6 @@ pub(super) struct Loss {
     pub(super) on_grid: Option<ColourAndEfficacy>,
     /// The light itself; `None` if its lines are too narrow for samples 0.1 nm apart.
     pub(super) itself: Option<ColourAndEfficacy>,
-    /// Whether values at integer wavelengths represent it.
-    pub(super) is_fine_at_1_nm: bool,
 }
 
 /// Returns the loss of `light` on `grid`; `None` if it is negligible.
@@ -80,12 +78,8 @@ pub(super) fn loss(light: impl Fn(&Grid) -> Result<Spectrum, SpectraError>, grid
     let seen = |spectrum: &[f64]| ColourAndEfficacy::of(spectrum, &observer);
 
     let (on_grid, itself) = (seen(&sampled.on(&every_nm).ok()?), seen(&means(&finer, PER_NM)));
-    let is_near = |one: Option<ColourAndEfficacy>| one.zip(itself).is_some_and(|(a, b)| a.is_near(b));
-    if is_near(on_grid) {
-        return None;
-    }
-    let at_1_nm: Vec<f64> = finer.iter().step_by(PER_NM).copied().collect();
-    Some(Loss { on_grid, itself, is_fine_at_1_nm: is_near(seen(&at_1_nm)) })
+    let is_near = on_grid.zip(itself).is_some_and(|(a, b)| a.is_near(b));
+    (!is_near).then_some(Loss { on_grid, itself })
 }
 
 /// Computes means over 1 nm with triangular weights, from `per_nm` samples per nm.

@@ -75,6 +75,29 @@ fn means_over_1_nm_have_the_power_of_the_lines() {
     }
 }
 
+/// The means of a table in steps of 2.5 nm are integrals of the lines between its points, here sums in steps of 0.001 nm;
+/// also where its values at integer wavelengths have nearly the same colour.
+#[test]
+fn means_over_1_nm_are_integrals_of_the_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let value = |k: u32| 1.0 + f64::from(k * k * 37 % 101) / 100.0;
+    let points = (0..=160).map(|k| format!("{},{}\n", 380.0 + 2.5 * f64::from(k), value(k)));
+    fs::write(folder.path().join("lamp.csv"), points.collect::<String>()).unwrap();
+    let resolved =
+        resolve(GOOD, folder.path(), &["lighting.spectrum=lamp.csv", "spectrum.step_nm=10"]).unwrap();
+    let light = resolved.scene.lighting.diffuse_spectrum;
+    let lines = light.lines().expect("it changes too fast for 10 nm");
+    let at = |nm: f64| {
+        let (k, along) = (((nm - 380.0) / 2.5) as u32, (nm - 380.0) / 2.5 % 1.0);
+        (1.0 - along) * value(k) + along * value(k + 1)
+    };
+    for (nm, mean) in lines.grid.wavelengths_nm().into_iter().zip(lines.means.iter()).skip(1).step_by(17) {
+        let parts = (0..2000).map(|part| (f64::from(part) + 0.5) / 1000.0 - 1.0);
+        let wanted = parts.map(|off| 1e-3 * (1.0 - off.abs()) * at(nm + off)).sum::<f64>();
+        assert!((mean / wanted - 1.0).abs() < 1e-6, "{nm}: {mean} {wanted}");
+    }
+}
+
 #[test]
 fn only_narrow_leds_are_represented_by_means_over_1_nm() {
     let said = |sets: &[&str]| notes_of_lines(Path::new(""), sets);
