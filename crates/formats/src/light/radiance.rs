@@ -120,7 +120,9 @@ impl Header {
             // Longest line of a header: 2048 bytes.
             let end = rest.iter().take(2048).position(|byte| *byte == b'\n');
             let wrong = |what| Diagnostic::new(format!("line {number} of the header: {what}"));
-            let line = end.map(|end| &rest[..end]).ok_or(wrong("it has no newline"))?;
+            let line = end.map(|end| &rest[..end]).ok_or(wrong(
+                "it has no newline within 2048 bytes; expected an empty line after the header, and a line with the size, as -Y 512 +X 1024",
+            ))?;
             // Comments and names of files may have any encoding.
             let line = String::from_utf8_lossy(line);
             let line = line.trim_end();
@@ -141,6 +143,8 @@ impl Header {
             }
             if line.is_empty() {
                 in_lines = false;
+            } else if Order::read(line).is_ok() {
+                return Err(wrong("the size of the picture; expected an empty line before it"));
             } else if let Some(format) = line.strip_prefix("FORMAT=") {
                 is_xyz = match format.trim() {
                     "32-bit_rle_rgbe" => false,

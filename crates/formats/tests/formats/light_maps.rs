@@ -78,7 +78,11 @@ fn malformed_picture_is_refused_with_its_reason() {
         (b"#?RADIANCE\nFORMAT=32-bit_rle_cmyk\n\n-Y 2 +X 4\n".to_vec(), "its FORMAT is not"),
         (b"#?RADIANCE\n\n+Y 2 +Y 4\n".to_vec(), "scanlines of this file have the order `+Y 2 +Y 4`"),
         (b"#?RADIANCE\n\n-Y two +X 4\n".to_vec(), "scanlines of this file have the order"),
-        (b"#?RADIANCE\n".to_vec(), "it has no newline"),
+        (b"#?RADIANCE\n".to_vec(), "it has no newline within 2048 bytes; expected an empty line"),
+        (
+            b"#?RADIANCE\n-Y 2 +X 4\n".to_vec(),
+            "line 2 of the header: the size of the picture; expected an empty line",
+        ),
         ([b"#?RADIANCE\n".to_vec(), vec![b'x'; 100_000]].concat(), "it has no newline"),
         ([header("", 8, 16), vec![2, 2, 0, 16, 255, 1, 1]].concat(), "the data of row 1 do not match"),
         ([header("", 2, 4), vec![1, 1, 1, 3]].concat(), "the data of row 1 do not match"),

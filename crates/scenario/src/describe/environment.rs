@@ -161,7 +161,8 @@ table! {
         azimuth_deg: Azimuth = Azimuth(0.0),
         /// Distance.
         distance_m: Metres,
-        /// Azimuth of its plane C = 0.
+        /// Azimuth of its plane C = 0. Type A: of its axis. Type B: of the side to which its vertical angles are
+        /// positive.
         rotation_deg: Azimuth = Azimuth(0.0),
         /// Tilt of the display: 0 is flat, facing the zenith; 90 is upright, facing azimuth -90 deg.
         tilt_deg: FieldAngle = FieldAngle(0.0),
