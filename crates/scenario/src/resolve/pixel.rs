@@ -1,12 +1,13 @@
 //! The pixel: uniform states, tables and their range of angles, and the medium above a measured pixel.
 
+use papilio_colour::Observer;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::scene::{
     self, AngleMedium, Lobe, Pixel, Ready, ReflectingDiffuser, Scene, TableAngles, TablePixel, TableState,
     UniformKind, UniformPixel,
 };
 use papilio_formats::read_pixel_over_half_turn;
-use papilio_spectra::Spectrum;
+use papilio_spectra::{Grid, Spectrum};
 
 use super::{Resolver, sampling};
 use crate::describe::File;
@@ -14,6 +15,9 @@ use crate::describe::diffuser::Diffuser;
 use crate::describe::pixel as describe;
 use crate::mistake::{self, tidy};
 use crate::read::Spanned;
+
+/// Largest error of X, Y and Z between the angles of a table, relative to a perfect white, without a warning.
+const COARSE_ANGLES: f64 = 0.005;
 
 /// Largest number of values in a table of a pixel: 80 MB.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -79,6 +83,15 @@ impl Resolver<'_> {
             states.push(TableState { name: name.clone(), reflectance });
         }
         let (angles, theta_deg, phi_deg) = (pixel.angles.0, table.theta_deg, table.phi_deg);
+        if let Some((error, name, theta)) = error_between_angles(&states, &theta_deg, &self.grid)
+            && error > COARSE_ANGLES
+        {
+            self.warnings.push(format!(
+                "{}: the reflectances change too fast between the angles of the table: near {theta} deg, the error of X, Y or Z of \
+                 `{name}` is about {error:.3} relative to a perfect white; expected a table with finer steps",
+                *pixel.file
+            ));
+        }
         Some(TablePixel { angles, theta_deg, phi_deg, states })
     }
 
@@ -174,4 +187,37 @@ fn fills_glass(layers: &[scene::Layer]) -> bool {
                 _ => false,
             }
     })
+}
+
+/// Returns about the largest error of X, Y and Z of reflectances that are linear between these angles, in
+/// light of equal energy and relative to a perfect white, with its state and angle. Without every second
+/// angle, the error would be four times as large.
+fn error_between_angles<'a>(
+    states: &'a [TableState],
+    theta_deg: &[f64],
+    grid: &Grid,
+) -> Option<(f64, &'a str, f64)> {
+    let observer = Observer::new(grid).ok()?;
+    let white = observer.xyz(&vec![1.0; grid.len()]);
+    let azimuths = |state: &TableState| state.reflectance.len() / theta_deg.len();
+    let mut worst: Option<(f64, &str, f64)> = None;
+    for state in states {
+        let row = azimuths(state);
+        for (k, angles) in theta_deg.windows(3).enumerate() {
+            let share = (angles[1] - angles[0]) / (angles[2] - angles[0]);
+            for azimuth in 0..row {
+                let at = |angle: usize| &state.reflectance[(k + angle) * row + azimuth];
+                let missed: Vec<f64> = (at(0).iter().zip(at(1).iter()).zip(at(2).iter()))
+                    .map(|((before, here), after)| here - (1.0 - share) * before - share * after)
+                    .collect();
+                let off = observer.xyz(&missed);
+                let parts = [off.x / white.x, off.y / white.y, off.z / white.z];
+                let error = parts.into_iter().map(|part| 0.25 * part.abs()).fold(0.0, f64::max);
+                if worst.is_none_or(|(most, ..)| error > most) {
+                    worst = Some((error, &state.name, angles[1]));
+                }
+            }
+        }
+    }
+    worst
 }
