@@ -89,6 +89,14 @@ pub(crate) fn gather(pictures: &[Pixels]) -> Vec<Channel> {
 }
 
 impl Gathered {
+    /// Returns the inclinations between which there is light; `None` if it is dark.
+    pub(crate) fn span(&self) -> Option<[f64; 2]> {
+        let is_lit = |row: &[f64]| row.iter().any(|light| *light != 0.0);
+        let first = self.nodes.chunks_exact(COLUMNS).position(is_lit)?;
+        let last = self.nodes.chunks_exact(COLUMNS).rposition(is_lit)?;
+        Some([STEP * first as f64, (STEP * (last + 1) as f64).min(FRAC_PI_2)])
+    }
+
     /// Separates light near peaks from the nodes of the grid; `scale` is the factor of the radiances.
     pub(crate) fn split(&self, pixels: &Pixels, scale: f64, peaks: Peaks<'_>, digits: f64) -> Split<'_> {
         let range = STEP * (RANGE[0] + RANGE[1] * digits);

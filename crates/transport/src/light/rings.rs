@@ -79,7 +79,7 @@ pub(crate) fn rings(field: &Field, peaks: Peaks<'_>, digits: f64) -> Vec<Ring> {
         }
         Light::Formula(formula, _) => Some(formula.span()),
         Light::Pixels(pixels, _, None) => pixels.lit_above(),
-        Light::Pixels(.., Some(_)) => Some([0.0, FRAC_PI_2]),
+        Light::Pixels(.., Some(gathered)) => gathered.span(),
     };
     let Some([from, to]) = span else { return Vec::new() };
     let split = match &light {
