@@ -16,7 +16,7 @@ use crate::describe::pixel as describe;
 use crate::mistake::{self, tidy};
 use crate::read::Spanned;
 
-/// Largest error of X, Y and Z between the angles of a table, relative to a perfect white, without a warning.
+/// Largest error of X, Y and Z between the angles of a table, relative to a perfect white, without a note.
 const COARSE_ANGLES: f64 = 0.005;
 
 /// Largest number of values in a table of a pixel: 80 MB.
@@ -86,7 +86,7 @@ impl Resolver<'_> {
         if let Some((error, name, theta)) = error_between_angles(&states, &theta_deg, &self.grid)
             && error > COARSE_ANGLES
         {
-            self.warnings.push(format!(
+            self.notes.push(format!(
                 "{}: the reflectances change too fast between the angles of the table: near {theta} deg, the error of X, Y or Z of \
                  `{name}` is about {error:.3} relative to a perfect white; expected a table with finer steps",
                 *pixel.file

@@ -208,9 +208,9 @@ fn mistakes_are_reported_at_their_places() {
 /// A pixel whose reflectance is 0.5 + 0.4 cos(10 theta): the error of lines is 5 h^2 for steps h in radians, 0.038
 /// over 5 deg and 0.0015 over 1 deg.
 #[test]
-fn table_with_coarse_angles_is_warned_of() {
+fn table_with_coarse_angles_has_a_note() {
     let folder = tempfile::tempdir().unwrap();
-    let warned = |step: u32| {
+    let noted = |step: u32| -> Vec<String> {
         let row = |theta: u32, nm: u32| {
             let value = 0.5 + 0.4 * (10.0 * f64::from(theta)).to_radians().cos();
             format!("white,{theta},{nm},{value}\n")
@@ -221,12 +221,13 @@ fn table_with_coarse_angles_is_warned_of() {
         fs::write(folder.path().join("pixel.csv"), text).unwrap();
         let scenario = "[display]\npixel = { model = \"table\", file = \"pixel.csv\", angles = \"air\" }\n\
                         [lighting]\ndiffuse = 1\nspectrum = \"E\"\n[viewer]\ntheta_deg = 8\n";
-        resolve(scenario, folder.path(), &[]).unwrap_or_else(|e| panic!("{e}")).warnings
+        let notes = resolve(scenario, folder.path(), &[]).unwrap_or_else(|e| panic!("{e}")).notes;
+        notes.into_iter().filter(|note| note.contains("angles of the table")).collect()
     };
-    let coarse = warned(5);
+    let coarse = noted(5);
     assert!(
         coarse.len() == 1 && coarse[0].contains("pixel.csv: the reflectances change too fast"),
         "{coarse:?}"
     );
-    assert_eq!(warned(1), Vec::<String>::new());
+    assert_eq!(noted(1), Vec::<String>::new());
 }
