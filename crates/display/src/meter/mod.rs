@@ -33,7 +33,7 @@ pub(crate) use metrics::{PRIMARIES, ViewScalars, jackknife};
 use metrics::{Reference, StateObservation};
 pub(crate) use replicates::LeastErrors;
 use sample::Layout;
-pub(crate) use sample::{Sample, relative};
+pub(crate) use sample::{Sample, relative, spread};
 pub(crate) use slopes::{Number, Slopes};
 
 /// Converts estimates to samples, and samples to results.

@@ -61,6 +61,12 @@ impl Meter<'_> {
             .collect()
     }
 
+    /// Returns Y of each state in each sample.
+    pub(crate) fn luminous_values(&self, samples: &[Sample]) -> Vec<Vec<f64>> {
+        let of_state = |state| samples.iter().map(|sample| self.luminous(state, sample)).collect();
+        (0..self.layout.states).map(of_state).collect()
+    }
+
     /// Computes the result of a view from the samples of all replicates; `specular` has shape
     /// `[state][light]`. No standard error is below `least`.
     pub(crate) fn view_of_replicates(

@@ -12,7 +12,7 @@ use super::rounds::{Confidence, Round, Rounds, meet, missed, slope};
 use super::walk::{MOST_PATHS, least_paths, paths_after_next};
 use super::{Control, Progress};
 use crate::DisplayError;
-use crate::meter::{Meter, Sample};
+use crate::meter::{Meter, Sample, jackknife, relative, spread};
 use crate::scene::{Sampler, Scene, Solver, Stop, Strategy};
 use crate::setup::{Setup, ViewPoint};
 
@@ -30,7 +30,7 @@ pub struct StudyCurve {
 }
 
 /// Point of a convergence curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StudyPoint {
     /// Number of paths of all replicates.
     pub paths: u64,
@@ -38,6 +38,24 @@ pub struct StudyPoint {
     pub transport_s: f64,
     /// Largest relative standard error of Y over all states.
     pub relative_error: f64,
+    /// The same without each of the replicates.
+    pub left_out: Vec<f64>,
+}
+
+impl StudyPoint {
+    /// Creates a point from Y of each state in each replicate.
+    fn new(paths: u64, transport_s: f64, luminous: &[Vec<f64>]) -> Self {
+        let largest = |without: Option<usize>| {
+            let kept = |of: &[f64]| {
+                let all = of.iter().enumerate();
+                spread(all.filter(|(replicate, _)| Some(*replicate) != without).map(|(_, y)| *y))
+            };
+            luminous.iter().map(|of| relative(kept(of))).fold(0.0, f64::max)
+        };
+        let replicates = luminous.first().map_or(0, Vec::len);
+        let left_out = (0..replicates).map(|replicate| largest(Some(replicate))).collect();
+        Self { paths, transport_s, relative_error: largest(None), left_out }
+    }
 }
 
 impl StudyCurve {
@@ -45,8 +63,8 @@ impl StudyCurve {
     /// of time; that of the first point if its error is small enough, `None` if that of the last is not.
     pub fn seconds_to(&self, error: f64) -> Option<f64> {
         let at = self.points.iter().position(|point| point.relative_error <= error)?;
-        let after = self.points[at];
-        let Some(before) = at.checked_sub(1).map(|at| self.points[at]) else {
+        let after = &self.points[at];
+        let Some(before) = at.checked_sub(1).map(|at| &self.points[at]) else {
             return Some(after.transport_s);
         };
         let share =
@@ -54,15 +72,21 @@ impl StudyCurve {
         Some(before.transport_s * (after.transport_s / before.transport_s).powf(share))
     }
 
-    /// Returns the exponent p of `error = c paths^-p`, by least squares of the logarithms, and its standard
-    /// error, from the uncertainty of each point's error (13 %); `None` unless there are two points.
+    /// Returns the exponent p of `error = c paths^-p`, by least squares of the logarithms, and its standard error;
+    /// `None` unless there are two points.
+    ///
+    /// The standard error is that of the jackknife over the replicates: they need not be Gaussian, and points
+    /// of one curve share their first paths.
     pub fn slope(&self) -> Option<(f64, f64)> {
-        /// Standard error of the logarithm of a standard error with 31 degrees of freedom, `1/sqrt(2 * 31)`.
-        const KNOWN_TO: f64 = 0.127;
-        let positive = self.points.iter().filter(|point| point.relative_error > 0.0);
-        let logs: Vec<(f64, f64)> =
-            positive.map(|point| ((point.paths as f64).ln(), point.relative_error.ln())).collect();
-        slope(&logs).map(|(slope, xx)| (-slope, KNOWN_TO / xx.sqrt()))
+        let exponent = |error: &dyn Fn(&StudyPoint) -> f64| {
+            let all = self.points.iter().map(|point| (point.paths as f64, error(point)));
+            let positive = all.filter(|(_, error)| *error > 0.0);
+            let logs: Vec<(f64, f64)> = positive.map(|(paths, error)| (paths.ln(), error.ln())).collect();
+            slope(&logs).map(|(slope, _)| -slope)
+        };
+        let replicates = self.points.first()?.left_out.len();
+        let mut left_out = (0..replicates).map(|replicate| exponent(&|point| point.left_out[replicate]));
+        Some((exponent(&|point| point.relative_error)?, jackknife(&mut left_out)?))
     }
 }
 
@@ -219,8 +243,11 @@ impl Study<'_> {
             transport_s += (self.seconds)() - started;
             let samples: Vec<Sample> =
                 walk.estimates(&replicates).iter().map(|estimate| self.meter.sample(estimate)).collect();
-            let relative_error = self.meter.standard_error(&samples, false);
-            points.push(StudyPoint { paths: each * REPLICATES, transport_s, relative_error });
+            points.push(StudyPoint::new(
+                each * REPLICATES,
+                transport_s,
+                &self.meter.luminous_values(&samples),
+            ));
         }
         Ok(StudyCurve { sampler, strategy, setup_s, points })
     }
@@ -231,5 +258,52 @@ impl Setup {
     pub(super) fn walk(&self, at: &ViewPoint, strategy: Strategy) -> Walk<'_> {
         let illuminance: Vec<f64> = self.lights.iter().map(|light| light.illuminance_lx).collect();
         Walk::with_strategy(&self.stack, at.field, &self.sources, strategy, &illuminance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The exponent of a curve of nested means of independent numbers, and its standard error.
+    fn slope_of(seed: u64, number: fn(f64) -> f64) -> (f64, f64) {
+        let counts = [16, 64, 256];
+        let mut of_points = vec![Vec::new(); counts.len()];
+        for stream in 0..REPLICATES {
+            let (random, mut sum) = (SampleStream::new(Sampler::Random, seed, stream), 0.0);
+            for path in 1..=256 {
+                sum += number(random.block(path, 0)[0]);
+                if let Some(at) = counts.iter().position(|count| *count == path) {
+                    of_points[at].push(sum / path as f64);
+                }
+            }
+        }
+        let point = |(count, means)| StudyPoint::new(count * REPLICATES, 0.0, &[means]);
+        let points = counts.into_iter().zip(of_points).map(point).collect();
+        let curve = StudyCurve { sampler: Sampler::Random, strategy: Strategy::Cosine, setup_s: 0.0, points };
+        curve.slope().unwrap()
+    }
+
+    /// Returns the mean of the exponents over seeds, and the rms of their deviations from it in units of the
+    /// stated standard errors, and in units of that of Gaussian numbers, `1/sqrt(2 * 31)`, of three points.
+    fn judged(number: fn(f64) -> f64) -> (f64, [f64; 2]) {
+        let found: Vec<(f64, f64)> = (0..100).map(|seed| slope_of(seed, number)).collect();
+        let mean = found.iter().map(|(exponent, _)| exponent).sum::<f64>() / 100.0;
+        let gaussian = 0.127 / (2.0_f64 * 4.0_f64.ln().powi(2)).sqrt();
+        let rms = |error: &dyn Fn(f64) -> f64| {
+            let squares = found.iter().map(|(exponent, stated)| ((exponent - mean) / error(*stated)).powi(2));
+            (squares.sum::<f64>() / 99.0).sqrt()
+        };
+        (mean, [rms(&|stated| stated), rms(&|_| gaussian)])
+    }
+
+    /// Exponential numbers have the exponent 0.5. Numbers of infinite variance (index 1.5, thus 1/3 in the
+    /// limit) scatter several times as much as Gaussian ones, and their errors say so.
+    #[test]
+    fn exponents_scatter_by_their_errors_with_light_and_heavy_tails() {
+        let (mean, [stated, _]) = judged(|u| -u.ln());
+        assert!((mean - 0.5).abs() < 0.02 && (0.8..1.3).contains(&stated), "{mean} {stated}");
+        let (mean, [stated, gaussian]) = judged(|u| u.powf(-1.0 / 1.5));
+        assert!((0.2..0.4).contains(&mean) && stated < 2.0 && gaussian > 3.0, "{mean} {stated} {gaussian}");
     }
 }
