@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -16,7 +16,7 @@ from ._arguments import complexes, described, reals
 from ._dims import is_labelled
 from .errors import ArgumentError
 
-__all__ = ["Grid", "stored"]
+__all__ = ["Grid", "GridOf", "stored"]
 
 #: Deeper values are no scenario.
 _DEEPEST = 40
@@ -27,12 +27,19 @@ _INDICES = {"index", "material", "n_e", "n_o", "substrate"}
 #: First and last wavelength and step of a scenario, nm.
 Grid = tuple[float, float, float]
 
+#: Function that returns the wavelengths of a scenario, called where a value requires them; None: not known yet.
+GridOf = Callable[[], Grid] | None
 
-def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: int = 0) -> Any:
+#: Name of the file of an array for which the wavelengths are not known yet, as long as that of any other.
+_LATER = f"array-{'0' * 12}.csv"
+
+
+def stored(value: Any, path: str, grid: GridOf, files: dict[str, bytes], depth: int = 0) -> Any:
     """Replaces the arrays in a value for ``path`` by names of files, whose contents are added to ``files``.
 
     Arrays are pairs ``(wavelength_nm, values)``, objects with wavelengths (DataArray, Series, SpectralDistribution), and numpy arrays
     over the scenario's own wavelengths (``grid``) where a key accepts a file. Complex values are n + 1j k; the real ones of an index are n.
+    Without a grid, arrays of the third kind get a name without contents.
     """
     if depth > _DEEPEST:
         return value  # refused with the other values
@@ -43,6 +50,8 @@ def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: in
         name = f"array-{hashlib.sha256(content).hexdigest()[:12]}.npz"
         files[name] = content
         return name
+    if grid is None and _is_on_grid(value, path):
+        return _LATER
     pair = _pair(value, path, grid)
     if pair is None:
         if isinstance(value, list):
@@ -54,7 +63,14 @@ def stored(value: Any, path: str, grid: Grid, files: dict[str, bytes], depth: in
     return name
 
 
-def _pair(value: Any, path: str, grid: Grid) -> tuple[Any, Any] | None:
+def _is_on_grid(value: Any, path: str) -> bool:
+    """Returns whether a value is an array over the scenario's own wavelengths."""
+    if not isinstance(value, np.ndarray) or value.ndim == 0 or value.dtype.kind not in "fiuc":
+        return False
+    return value.dtype.kind == "c" or _takes_file(path)
+
+
+def _pair(value: Any, path: str, grid: GridOf) -> tuple[Any, Any] | None:
     """Returns the wavelengths and values of an array; None if the value is not a spectrum."""
     if isinstance(value, tuple) and len(value) == 2 and all(_is_line(one) for one in value):
         return value[0], value[1]
@@ -67,17 +83,16 @@ def _pair(value: Any, path: str, grid: Grid) -> tuple[Any, Any] | None:
         return value.wavelengths, value.values
     if hasattr(value, "index") and hasattr(value, "to_numpy") and getattr(value, "ndim", 0) == 1:  # pandas.Series
         return np.asarray(value.index), value.to_numpy()
-    if not isinstance(value, np.ndarray) or value.ndim == 0 or value.dtype.kind not in "fiuc":
+    if grid is None or not _is_on_grid(value, path):
         return None
-    if value.dtype.kind != "c" and not _takes_file(path):
-        return None
-    count = round((grid[1] - grid[0]) / grid[2]) + 1
+    first, last, step = grid()
+    count = round((last - first) / step) + 1
     if value.shape != (count,):
         raise ArgumentError(
-            f"{path}: {described(value)}, but the scenario has {count} wavelengths ({grid[0]:g} to {grid[1]:g} nm in steps of "
-            f"{grid[2]:g} nm); expected one number for each of them, or a pair (wavelength_nm, values)"
+            f"{path}: {described(value)}, but the scenario has {count} wavelengths ({first:g} to {last:g} nm in steps of "
+            f"{step:g} nm); expected one number for each of them, or a pair (wavelength_nm, values)"
         )
-    return np.linspace(grid[0], grid[1], count), value
+    return np.linspace(first, last, count), value
 
 
 def _is_line(one: Any) -> bool:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Literal
@@ -13,7 +14,7 @@ from typing import Any, Literal
 from . import _arguments, _papilio
 from ._arguments import described, one_of, whole
 from ._mapping import ByName
-from ._spectra import Grid, stored
+from ._spectra import Grid, GridOf, stored
 from ._toml import document, plain
 from .errors import ArgumentError
 
@@ -162,12 +163,10 @@ class Scenario(ByName[Any]):
         """
         if not isinstance(tables, Mapping):
             raise ArgumentError(f"tables: expected a dict, not {described(tables)}")
-        arrays: dict[str, bytes] = {}
-        text = document(plain(stored(tables, "", _grid_of(tables), arrays), "tables"))
         made = cls.__new__(cls)
         made._name, made._folder = _arguments.text("name", name, "a name"), _checked_path("folder", folder)
         made._files = None if files is None else _checked_files(files)
-        made._put(text, arrays)
+        made._change(lambda grid, arrays: document(plain(stored(tables, "", grid, arrays), "tables")), {})
         return made
 
     @classmethod
@@ -219,25 +218,31 @@ class Scenario(ByName[Any]):
 
     def __delitem__(self, path: str) -> None:
         """Removes a key or an item, so that its default applies."""
-        self._edit([{"op": "remove", "path": _checked_key(path)}])
+        self._put(_papilio.edit(self._text, json.dumps([{"op": "remove", "path": _checked_key(path)}])), self._arrays)
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Sets several values at once.
 
         Args:
-            values: ``{path: value}``; spectra and materials may be arrays, as in the class.
+            values: ``{path: value}``; spectra and materials may be arrays, as in the class. Arrays without wavelengths are over
+                those of the changed scenario.
 
         Raises:
             ScenarioError: if the result is invalid; then the scenario is not changed.
         """
         if not isinstance(values, Mapping):
             raise ArgumentError(f"values: expected a dict of paths and values, not {described(values)}")
-        arrays, grid = dict(self._arrays), self._grid
-        edits = []
-        for path, one in values.items():
-            key = _checked_key(path)
-            edits.append({"op": "set", "path": key, "value": plain(stored(one, key, grid, arrays), key)})
-        self._edit(edits, arrays)
+        if not values:
+            return
+
+        def changed(grid: GridOf, arrays: dict[str, bytes]) -> str:
+            edits = []
+            for path, one in values.items():
+                key = _checked_key(path)
+                edits.append({"op": "set", "path": key, "value": plain(stored(one, key, grid, arrays), key)})
+            return _papilio.edit(self._text, json.dumps(edits))
+
+        self._change(changed, self._arrays)
 
     def with_values(self, values: Mapping[str, Any]) -> Scenario:
         """Returns a copy with several values set.
@@ -266,17 +271,30 @@ class Scenario(ByName[Any]):
             index: number of the item before which it is inserted, from 0; None: at the end.
         """
         at = None if index is None else whole("index", index, 0, 2**31)
-        arrays, key = dict(self._arrays), _checked_key(path)
-        item = plain(stored(value, f"{key}.0", self._grid, arrays), key)
-        self._edit([{"op": "insert", "path": key, "value": item, "index": at}], arrays)
+        key = _checked_key(path)
 
-    def _edit(self, edits: list[dict[str, Any]], arrays: Mapping[str, bytes] | None = None) -> None:
-        if edits:
-            self._put(_papilio.edit(self._text, json.dumps(edits)), self._arrays if arrays is None else arrays)
+        def changed(grid: GridOf, arrays: dict[str, bytes]) -> str:
+            item = plain(stored(value, f"{key}.0", grid, arrays), key)
+            return _papilio.edit(self._text, json.dumps([{"op": "insert", "path": key, "value": item, "index": at}]))
 
-    @property
-    def _grid(self) -> Grid:
-        return _grid_of(self.to_dict())
+        self._change(changed, self._arrays)
+
+    def _change(self, changed: Callable[[GridOf, dict[str, bytes]], str], arrays: Mapping[str, bytes]) -> None:
+        """Replaces the text by that of ``changed``, which adds its arrays to those of its second argument.
+
+        Arrays without wavelengths are over those of the changed text, which is read a first time for them.
+        """
+
+        @cache
+        def grid() -> Grid:
+            first = _papilio.Described(changed(None, {}), self._name, *self._sources({}))
+            spectrum = json.loads(first.filled())["spectrum"]
+            ends = spectrum["range_nm"]
+            return float(ends[0]), float(ends[1]), float(spectrum["step_nm"])
+
+        added = dict(arrays)
+        text = changed(grid, added)
+        self._put(text, added)
 
     @property
     def files(self) -> dict[str, bytes]:
@@ -400,17 +418,6 @@ def _restored(text: str, name: str, folder: str, files: dict[str, bytes] | None,
     made._name, made._folder, made._files = name, folder, files
     made._put(text, arrays)
     return made
-
-
-def _grid_of(tables: Mapping[str, Any]) -> Grid:
-    """Returns the wavelengths of tables; the defaults if they have none."""
-    spectrum = tables.get("spectrum")
-    given = spectrum if isinstance(spectrum, Mapping) else {}
-    try:
-        first, last = given.get("range_nm", (380.0, 780.0))
-        return float(first), float(last), float(given.get("step_nm", 5.0))
-    except (TypeError, ValueError):
-        return 380.0, 780.0, 5.0  # the reader reports these keys
 
 
 def read(scenario: Scenario | str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scenario:

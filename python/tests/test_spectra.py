@@ -67,6 +67,59 @@ def test_scenario_of_dictionaries_takes_arrays():
     np.testing.assert_allclose(result["white.reflectance_factor"][0], white * inside / (1 - white * (1 - inside)), rtol=1e-6)
 
 
+RED = np.exp(-(((np.arange(400.0, 721.0, 4.0) - 630) / 10) ** 2)) + 1e-6
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"spectrum.range_nm": [400, 720], "spectrum.step_nm": 4, "lighting.spectrum": RED},
+        {"lighting.spectrum": RED, "spectrum.step_nm": 4, "spectrum.range_nm": np.array([400.0, 720.0])},
+        {"spectrum": {"range_nm": [400, 720], "step_nm": 4}, "lighting.spectrum": RED},
+    ],
+)
+def test_arrays_are_over_the_wavelengths_that_the_same_call_sets(indoor, values):
+    """A red LED at 630 nm stays there, although the old and the new wavelengths are as many; its spectrum may also be a pair."""
+    pair = indoor.with_values({**values, "lighting.spectrum": (np.arange(400.0, 721.0, 4.0), RED)})
+    together = indoor.with_values(values)
+    assert together == pair and together.hash == pair.hash
+    in_turn = indoor.copy()
+    in_turn.update({key: value for key, value in values.items() if key != "lighting.spectrum"})
+    in_turn["lighting.spectrum"] = RED
+    assert in_turn.files == together.files
+    expected = papilio.run(pair)["white.Y"]
+    thickness = indoor["display.pixel.film.0.thickness_nm"]
+    for found in (
+        papilio.run(indoor, set=values)["white.Y"],
+        papilio.Prepared(indoor).run(values)["white.Y"],
+        papilio.Prepared(indoor, set=values).run()["white.Y"],
+        papilio.sweep(indoor, {"display.pixel.film.0.thickness_nm": [thickness]}, ["white.Y", "white.R_hemi"], set=values)["white.Y"],
+    ):
+        np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_nested_arrays_are_over_the_wavelengths_of_their_tables(indoor):
+    pixel = {"model": "uniform", "kind": "lambertian", "reflectance": {"white": RED, "black": 0.0}}
+    grid, light = {"range_nm": [400, 720], "step_nm": 4}, {"preset": "office"}
+    own = Scenario.from_dict({"display": {"pixel": pixel}, "spectrum": grid, "lighting": light})
+    changed = Scenario.from_dict({"display": {"pixel": {**pixel, "reflectance": {"white": 0.5, "black": 0.0}}}, "lighting": light})
+    changed.update({"display.pixel.reflectance": {"white": RED, "black": 0.0}, "spectrum": grid})
+    assert list(own.files.values()) == list(changed.files.values()) and own.hash == changed.hash
+    rows = next(iter(own.files.values())).decode().splitlines()
+    assert (rows[1].split(",")[0], rows[-1].split(",")[0], len(rows)) == ("400.0", "720.0", 82)
+
+
+def test_errors_of_several_changes_are_those_of_the_changed_scenario(indoor):
+    """Lengths are compared with the new wavelengths, and errors in other keys have their place."""
+    with pytest.raises(ArgumentError, match=r"shape \(81,\), but the scenario has 41 wavelengths \(380 to 780 nm in steps of 10 nm\)"):
+        indoor.with_values({"lighting.spectrum": np.ones(81), "spectrum.step_nm": 10})
+    with pytest.raises(papilio.ScenarioError) as alone:
+        indoor.with_values({"lighting.spectrum": "array-000000000000.csv", "display.diffuser.haze": 2})
+    with pytest.raises(papilio.ScenarioError) as together:
+        indoor.with_values({"lighting.spectrum": np.ones(81), "display.diffuser.haze": 2})
+    assert str(together.value) == str(alone.value) and together.value.path == "display.diffuser.haze"
+
+
 def test_lists_of_numbers_remain_lists(indoor):
     indoor["viewer.theta_deg"] = np.array([0.0, 10.0])
     assert indoor["viewer.theta_deg"] == [0.0, 10.0] and not indoor.files
