@@ -51,7 +51,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-#: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file.
+#: A name ("SiO2"), a number or array n + 1j k, or the path of an n-k file: a string is a name, or else a path if it has a separator or an extension.
 Material = str | PathLike[str] | complex | ArrayLike
 
 #: One of the two polarisations, or their mean.
@@ -107,7 +107,8 @@ def index(material: Material, wavelength_nm: ArrayLike, *, name: str = "material
     """Returns the refractive index of a material.
 
     Args:
-        material: a name, a number or array n + 1j k, or the path of an n-k file.
+        material: a name, a number or array n + 1j k, or the path of an n-k file; a string is first interpreted as a name, then as a
+            file.
         wavelength_nm: wavelengths in vacuum, nm.
         name: name of the material in errors.
 
@@ -116,6 +117,7 @@ def index(material: Material, wavelength_nm: ArrayLike, *, name: str = "material
 
     Raises:
         ArgumentError: if a wavelength is outside the range of the material's data, which are not extrapolated.
+        FileError: if the file cannot be read.
 
     Example:
         >>> round(float(papilio.films.index("SiO2", 550.0).real), 3)
@@ -160,7 +162,7 @@ def power(
 
     Args:
         layers: (material, thickness in nm), the layer nearest the light first. A material is a name (``material_names()``), a complex
-            index n + 1j k (k >= 0 absorbs), or an array of indices. Light is coherent in all layers, thick ones included.
+            index n + 1j k (k >= 0 absorbs), an array of indices, or the path of an n-k file. Light is coherent in all layers, thick ones included.
         wavelength_nm: in vacuum, nm.
         theta_deg: inclination in the medium of incidence, 0 to less than 90 degrees.
         incidence: refractive index of the medium of incidence, which is transparent (k up to 1e-6): a number, an array or a material.

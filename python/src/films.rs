@@ -1,7 +1,7 @@
 //! Coherent films, with one stack at each point of broadcast numpy arrays.
 
 use std::ffi::CString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,7 +11,7 @@ use papilio_optics::OpticsError;
 use papilio_optics::film::{
     Along, FilmRow, GapFilm, IndexAlong, LayerAlong, Polarisation, SimdLevel, SpectralLayer, Thickness,
 };
-use papilio_spectra::{SpectraError, material};
+use papilio_spectra::{Dispersion, SpectraError, material};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyUserWarning};
 use pyo3::prelude::*;
 
@@ -390,7 +390,7 @@ fn all<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
     found.try_into().map_err(|_| errors::internal("an array lost some of its items"))
 }
 
-/// n + ik of a named material or of a file.
+/// n + ik of a material: a name, or else the path of a file, as in scenarios.
 #[pyfunction]
 pub(crate) fn material_index<'py>(
     py: Python<'py>,
@@ -399,37 +399,44 @@ pub(crate) fn material_index<'py>(
     wavelength_nm: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
     let unknown = |error: SpectraError| errors::argument(py, &error.to_string());
-    let dispersion = match (name, file) {
-        (Some(name), _) => material(name).map_err(|error| match papilio_scenario::material_sheet(name) {
-            Err(wrong) => errors::argument(py, &with_hint(&wrong)),
-            Ok(sheet) => errors::argument(py, &format!("{error}; did you mean `{}`?", sheet.entry.name)),
-        })?,
-        (None, path) => {
-            let path = path.unwrap_or_default();
-            let file = DataFile::open(&path, &path.display().to_string());
-            // Errors outside the requested wavelengths are ignored.
-            let wanted = wavelength_nm.as_array();
-            let first = wanted.iter().copied().fold(f64::INFINITY, f64::min);
-            let last = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let read = file.and_then(|file| read_index_within(&file, (first, last)));
-            let read = read.map_err(|error| errors::format(py, &error))?;
-            for note in &read.warnings {
-                let text = CString::new(format!("{}: {note}", path.display()))?;
-                PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)?;
-            }
-            read.value
+    let named = name.map(|name| (name, material(name)));
+    let dispersion = match (named, file) {
+        (Some((_, Ok(dispersion))), _) => dispersion,
+        (Some((name, Err(error))), _) if !papilio_scenario::looks_like_path(name) => {
+            let wrong = match papilio_scenario::material_sheet(name) {
+                Err(wrong) => with_hint(&wrong),
+                Ok(sheet) => format!("{error}; did you mean `{}`?", sheet.entry.name),
+            };
+            return Err(errors::argument(py, &wrong));
         }
+        (Some((path, Err(_))), _) => of_file(py, path.as_ref(), &wavelength_nm)?,
+        (None, path) => of_file(py, &path.unwrap_or_default(), &wavelength_nm)?,
     };
     let index = wavelength_nm.as_array().into_iter().map(|nm| dispersion.index(*nm));
     let index: Vec<Complex64> = index.collect::<Result<_, _>>().map_err(unknown)?;
     Ok(PyArray1::from_vec(py, index))
 }
 
+/// The index of an n-k file; errors outside the requested wavelengths are ignored.
+fn of_file(py: Python<'_>, path: &Path, wavelength_nm: &PyReadonlyArray1<'_, f64>) -> PyResult<Dispersion> {
+    let file = DataFile::open(path, &path.display().to_string());
+    let wanted = wavelength_nm.as_array();
+    let first = wanted.iter().copied().fold(f64::INFINITY, f64::min);
+    let last = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let read = file.and_then(|file| read_index_within(&file, (first, last)));
+    let read = read.map_err(|error| errors::format(py, &error))?;
+    for note in &read.warnings {
+        let text = CString::new(format!("{}: {note}", path.display()))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)?;
+    }
+    Ok(read.value)
+}
+
 /// A material with its source, n and k, as JSON.
 #[pyfunction]
 pub(crate) fn material_sheet(py: Python<'_>, name: &str) -> PyResult<String> {
     let sheet = papilio_scenario::material_sheet(name);
-    let sheet = sheet.map_err(|wrong| errors::argument(py, &with_hint(&wrong)))?;
+    let sheet = sheet.map_err(|wrong| errors::argument(py, &format!("name: {}", with_hint(&wrong))))?;
     serde_json::to_string(&sheet).map_err(|error| errors::internal(&error.to_string()))
 }
 

@@ -135,8 +135,13 @@ pub(crate) fn film_derivatives<'py>(
     let points: usize = shape.iter().product();
     let (mut values, mut slopes) = (vec![0.0; points], vec![0.0; points * variables.len()]);
     stoppable(py, |stop| {
-        let parts =
-            values.chunks_mut(rows.length).zip(slopes.chunks_mut((rows.length * variables.len()).max(1)));
+        let mut after = slopes.as_mut_slice();
+        // Without variables, the slopes of every row are empty.
+        let parts = values.chunks_mut(rows.length).map(|values| {
+            let slopes;
+            (slopes, after) = std::mem::take(&mut after).split_at_mut(values.len() * variables.len());
+            (values, slopes)
+        });
         let rows_of =
             parts.enumerate().map(|(number, (values, slopes))| (number * rows.length, values, slopes));
         on_threads(rows_of, threads, stop, |(start, values, slopes)| rows.compute(start, values, slopes))

@@ -159,6 +159,11 @@ def test_material_from_file_is_read(tmp_path, scenarios):
     path = tmp_path / "glass.csv"
     path.write_text("wavelength_nm,n,k\n300,1.5,0\n900,1.6,0\n")
     np.testing.assert_allclose(films.index(path, 600.0), 1.55)
+    # A string is a name, or else a path, as in scenarios.
+    np.testing.assert_allclose(films.index(str(path), 600.0), 1.55)
+    assert films.reflectance([(str(path), 50.0)], 600.0, substrate=str(path)) == films.reflectance([(1.55, 50.0)], 600.0, substrate=1.55)
+    with pytest.raises(FileError, match=r"absent\.yml"):
+        films.index("absent.yml", 600.0)
     path.write_text("wavelength_nm,n,k\n300,x,0\n")
     with pytest.raises(FileError) as error:
         films.index(path, 600.0)
@@ -232,6 +237,11 @@ def test_derivatives_equal_differences():
     line = films.derivatives([("SiO2", thick)], 550.0, 20.0, substrate="Al")
     for i, d in enumerate(thick):
         assert line.derivatives[i, 0] == pytest.approx(films.derivatives([("SiO2", d)], 550.0, 20.0, substrate="Al").derivatives[0], abs=1e-12)
+    # Without variables, and without layers, the reflectance is the same.
+    for layers in (stack(), []):
+        alone = films.derivatives(layers, LIGHT_NM, LIGHT_THETA, substrate="Al", by=[])
+        assert alone.derivatives.shape == (*alone.reflectance.shape, 0)
+        np.testing.assert_allclose(alone.reflectance, films.reflectance(layers, LIGHT_NM, LIGHT_THETA, substrate="Al"), atol=1e-12)
     assert np.array_equal(found.derivatives, films.derivatives(stack(), LIGHT_NM, LIGHT_THETA, substrate="Al", by=variables, threads=1).derivatives)
 
 

@@ -47,7 +47,7 @@ pub(crate) fn relocate_json(value: &mut Json, key: &str, folder: &Path) {
 }
 
 /// Returns whether a text has the form of a path, and not that of a name.
-pub(crate) fn looks_like_path(text: &str) -> bool {
+pub fn looks_like_path(text: &str) -> bool {
     text.contains(['/', '\\']) || text.rsplit_once('.').is_some_and(|(_, end)| !end.is_empty())
 }
 

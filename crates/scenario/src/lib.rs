@@ -93,7 +93,7 @@ pub use browse::{
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors, near_file};
 pub use fit::{Fit, FitDeviations, FitTarget, FitVariable};
-pub use here::relative_path;
+pub use here::{looks_like_path, relative_path};
 pub use labels::{label, variable_label};
 pub use library::{Library, MemoryFile};
 pub use memo::ResolveCache;
