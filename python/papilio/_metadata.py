@@ -62,6 +62,22 @@ def long_error(column: str) -> str:
     return column
 
 
+def in_tables(name: str) -> str:
+    """Returns the name of a number in the tables of the program: ``terms_diffuse_standard_error`` becomes ``Y_diffuse_se``."""
+    for short, end in _SHORT_ERRORS.items():
+        if name.endswith(end):
+            name = name.removesuffix(end) + short
+    begin = next((begin for begin in _IN_TABLES if name.startswith(begin.replace(".", "_"))), None)
+    return name if begin is None else _IN_TABLES[begin] + name[len(begin) :]
+
+
+def description(name: str) -> str | None:
+    """Returns the words of a number of ``result.json`` in its schema, or of its error; None if there is no such number."""
+    kind = next((kind for kind in _ERRORS if name.endswith(f"_{kind}")), "")
+    words = _descriptions().get(name.removesuffix(f"_{kind}").removeprefix("spectra_").removeprefix("by_light_"))
+    return f"{kind.replace('_', ' ').capitalize()} of {words}" if kind and words else words
+
+
 def inner_dimensions(name: str, count: int) -> tuple[str, ...]:
     """Returns the ``count`` dimensions of a named array in addition to view and state."""
     known = _INNER.get(parts(name)[0], ())

@@ -123,7 +123,7 @@ class ConeSnapshot:
     angles: tuple[Reals, Reals]
     names: list[str]
     numbers: Arrays
-    svg: str | None
+    drawn: list[tuple[str, str]]
     messages: list[str]
     written: list[tuple[str, bytes]]
 
@@ -133,7 +133,7 @@ class ConeSnapshot:
         if isinstance(core, cls):
             return core
         angles = core.theta_deg(), core.phi_deg()
-        return cls(angles, core.states(), core.arrays(), core.figure(title), core.warnings(), core.files())
+        return cls(angles, core.states(), core.arrays(), core.figures(title), core.warnings(), core.files())
 
     def theta_deg(self) -> Reals:
         return self.angles[0]
@@ -147,8 +147,8 @@ class ConeSnapshot:
     def arrays(self) -> Arrays:
         return self.numbers
 
-    def figure(self, title: str) -> str | None:
-        return self.svg
+    def figures(self, title: str) -> list[tuple[str, str]]:
+        return self.drawn
 
     def warnings(self) -> list[str]:
         return list(self.messages)

@@ -51,7 +51,7 @@ class Stored:
         raise NotImplementedError
 
     def to_json(self) -> str:
-        """Returns the contents of `to_xarray` as JSON; undefined numbers are null.
+        """Returns the contents of `to_xarray`, which needs xarray, as JSON; undefined numbers are null.
 
         ``xarray.Dataset.from_dict(json.loads(text))`` restores the Dataset.
 

@@ -26,7 +26,8 @@ class AnyResult(Protocol):
     `Mtf`, `Crosstalk`, `Sparkle`, `Gloss`, `Fitted`, `Palette`, `Image`, `Surface`.
 
     Arrays by name (``found["Y"]``, ``in``, iteration, ``keys()``, ``get``), the same as tables and as JSON, figures, files, and what the
-    program has to say. Results can be copied and pickled.
+    program has to say. ``to_xarray`` and ``to_pandas`` need these packages, and ``to_json`` needs xarray where the program writes no JSON file
+    (`Cone`, `Reflection`, `Brdf`, `Absorption`, `Evaluated`, `Optimum`). Results can be copied and pickled.
     """
 
     @property

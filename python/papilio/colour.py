@@ -84,8 +84,13 @@ def illuminant(name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
         >>> float(papilio.colour.illuminant("D65", [555, 560, 565])[1])
         100.0
     """
-    named = _arguments.text("name", name, "the name of an illuminant")
-    return _papilio.illuminant_spectrum(named, _arguments.grid("wavelength_nm", wavelength_nm))
+    return _illuminant("name", name, wavelength_nm)
+
+
+def _illuminant(argument: str, name: str, wavelength_nm: ArrayLike) -> NDArray[np.float64]:
+    """Returns the relative spectrum of an illuminant; errors call its name ``argument``."""
+    named = _arguments.text(argument, name, "the name of an illuminant")
+    return _papilio.illuminant_spectrum(argument, named, _arguments.grid("wavelength_nm", wavelength_nm))
 
 
 def xyz(
@@ -127,7 +132,7 @@ def xyz(
     _arguments.last_axis("spectra", numbers, count, "one number for each wavelength")
     scale = 1.0
     if light is not None:
-        of_light = illuminant(light, wavelength_nm) if isinstance(light, str) else _arguments.reals("light", light, least=0.0)
+        of_light = _illuminant("light", light, wavelength_nm) if isinstance(light, str) else _arguments.reals("light", light, least=0.0)
         if of_light.shape != (count,):
             raise ArgumentError(f"light: expected {count} numbers, one for each wavelength; the shape is {of_light.shape}")
         numbers = numbers * of_light

@@ -118,14 +118,12 @@ class Cone(Stored, ByName[NDArray[np.float64]]):
         return dict(self._core.files())
 
     def figures(self) -> dict[str, Figure]:
-        """Returns the figure of the maps as ``cone``; nothing if the directions do not span an area."""
-        figure = self.figure()
-        return {} if figure is None else {figure.name: figure}
+        """Returns the maps as ``cone``, and those of colour differences as ``cone_differences``; none if the directions do not span an area."""
+        return {name: Figure(name, svg) for name, svg in self._core.figures(self.title)}
 
     def figure(self) -> Figure | None:
         """Returns the figure of the maps; None if the directions do not span an area."""
-        svg = self._core.figure(self.title)
-        return None if svg is None else Figure("cone", svg)
+        return self.figures().get("cone")
 
     def _repr_html_(self) -> str:
         figure = self.figure()

@@ -101,6 +101,6 @@ def gloss(
     with reporting(progress, "views") as tell:
         core = _papilio.Gloss(scene, checked_threads(threads), tell)
     warned = _messages.merged(scene.warnings, core.warnings())
-    found = Gloss(core.json(), core.arrays(), [], changed.title, warned, scene.notes)
+    found = Gloss(core.json(), core.arrays(), [], changed.title, warned, scene.notes, core.tables())
     _messages.warn(found.warnings)
     return found

@@ -69,14 +69,14 @@ class Image(_Written):
         self,
         text: str,
         arrays: Mapping[str, NDArray[Any]],
-        png: bytes,
+        pictures: list[tuple[str, bytes]],
         title: str,
         warned: list[str],
         notes: list[str],
         codes: tuple[str | None, list[tuple[str, int]]] | None = None,
     ) -> None:
-        super().__init__(text, arrays, [], title, warned, notes)
-        self._png, self._codes = png, codes
+        super().__init__(text, arrays, [], title, warned, notes, pictures)
+        self._codes = codes
 
     @property
     def states(self) -> list[str]:
@@ -125,12 +125,9 @@ class Image(_Written):
         coverage = self.data.get("coverage") or {}
         return np.array([coverage.get(state, np.nan) for state in self.states], float)
 
-    def _files(self) -> dict[str, bytes]:
-        return {**super()._files(), "seen.png": self._png}
-
     def png(self) -> bytes:
         """Returns the content of ``seen.png``."""
-        return self._png
+        return self._tables["seen.png"]
 
     def frame(self, packed: int | Literal["planes"] | None = None, *, rotate: int = 0, mirror: bool = False) -> Frame:
         """Packs the states for the controller of the panel, with the codes of ``display.pixel.codes``, or else the numbers of the states.
@@ -166,7 +163,7 @@ class Image(_Written):
         return Frame(bytes(data), shown, json.loads(text), header)
 
     def _repr_png_(self) -> bytes:
-        return self._png
+        return self.png()
 
     def _repr_html_(self) -> None:  # type: ignore[override]
         return None
@@ -245,7 +242,7 @@ def image(
             checked_threads(threads),
             tell,
         )
-    found = Image(core.json(), core.arrays(), core.png(), core.title, core.warnings(), core.notes(), core.codes())
+    found = Image(core.json(), core.arrays(), core.pictures(), core.title, core.warnings(), core.notes(), core.codes())
     _messages.warn(found.warnings)
     return found
 

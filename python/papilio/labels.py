@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from . import _papilio
+from . import _metadata, _papilio
 from ._arguments import text
 
 __all__ = ["Label", "label"]
@@ -29,7 +29,10 @@ def label(name: str) -> Label:
         name: name of a metric (``"white.Y"``), column (``"wavelength_nm"``) or dotted path of a key (``"viewer.theta_deg"``).
 
     Returns:
-        Quantity and unit, the same as in figures and tables. A name that is unknown is returned as it is, without a unit.
+        Quantity and unit, the same as in figures and tables. The words of a key are not checked against the scenario.
+
+    Raises:
+        KeyError: if there is no such metric, number or key.
 
     Example:
         >>> str(papilio.label("display.pixel.film.1.thickness_nm"))
@@ -37,4 +40,12 @@ def label(name: str) -> Label:
         >>> papilio.label("gamut_percent_srgb").unit
         '% of sRGB'
     """
-    return Label(*_papilio.label(text("name", name, "the name of a metric or a key")))
+    given = text("name", name, "the name of a metric or a key")
+    short = _metadata.in_tables(given)
+    found = Label(*_papilio.label(short))
+    if found != (short, ""):
+        return found
+    words = _metadata.description(given)
+    if words is None:
+        raise KeyError(f"{name!r}: there is no such metric, number of a result or key of a scenario; papilio.metric_names() lists the metrics")
+    return Label(words, "")

@@ -91,9 +91,7 @@ class Optimum(Stored, Lookup[NDArray[np.float64]]):
 
     def scenario(self, design: int = 0) -> Scenario:
         """Returns the scenario with one of the `designs`."""
-        if isinstance(design, bool) or not isinstance(design, int) or not 0 <= design < len(self.designs):
-            raise ArgumentError(f"design: expected 0 to {len(self.designs) - 1}, not {design!r}")
-        return self._scenario.with_values(self.designs[design].values)
+        return self._scenario.with_values(self.designs[whole("design", design, 0, len(self.designs) - 1)].values)
 
     def front(self) -> NDArray[np.float64]:
         """Returns the requested quantities of all `designs`, shape [design, quantity]; ``best.metrics`` has their names."""

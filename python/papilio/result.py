@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import html
 import json
 from collections.abc import Iterable, Mapping
@@ -12,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _messages, _metadata, _papilio, _snapshots
+from ._arguments import whole
 from ._snapshots import RunSnapshot, read_only
 from ._mapping import ByName
 from ._storing import Stored, optional
-from .errors import ArgumentError
 from .figure import Figure
 
 if TYPE_CHECKING:
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["Result"]
 
 _Arrays = Mapping[str, NDArray[np.float64]]
+
+#: Columns that name the rows of ``states.csv``.
+_OF_ROWS = ["theta_deg", "phi_deg", "state"]
 
 #: Quantities of each state in the table of a view.
 _SHOWN = ("Y", "contrast", "L_star", "a_star", "b_star", "u_prime", "v_prime", "luminance_cd_m2", "peak_nm")
@@ -44,7 +48,8 @@ class Result(Stored, ByName[NDArray[np.float64]]):
 
     Undefined values are NaN. Arrays are read-only; ``result[name].copy()`` is writable. ``keys()``, iteration and ``dict(result)`` have
     the names of ``to_xarray()`` and ``to_pandas()``: ``Y_standard_error``, with underscores for dots and the kind of error last; errors that
-    the solver does not estimate are not among them. ``[]``, ``in`` and ``get`` accept these, the names of ``result.json``, and the arrays of one state (``"white.Y"``). A result can be copied
+    the solver does not estimate are not among them. ``[]``, ``in`` and ``get`` accept these, the names of ``result.json`` and of the columns of numbers of ``states.csv`` (``"R_dir_0"``, shape
+    [view, state]), and the arrays of one state (``"white.Y"``). A result can be copied
     and pickled, and then needs neither its scenario nor its files. A notebook shows a table, warnings and notes, and the overview figure
     of the first view.
     """
@@ -107,6 +112,21 @@ class Result(Stored, ByName[NDArray[np.float64]]):
         """Returns the name in ``result.json`` of a quantity; None if there is none."""
         return self._canonical.get(name) or self._canonical.get(_metadata.long_error(name))
 
+    @cached_property
+    def _table(self) -> tuple[list[tuple[float, float, str]], dict[str, NDArray[np.float64]]]:
+        """Views and states of the rows of ``states.csv``, and its other columns by name."""
+        header, *rows = csv.reader(self._core.states_csv().decode().splitlines())
+        at = [header.index(name) for name in _OF_ROWS]
+        labels = [(float(row[at[0]]), float(row[at[1]]), row[at[2]]) for row in rows]
+        numbers = {i: [float(row[i]) if row[i] else np.nan for row in rows] for i in range(len(header)) if i not in at}
+        return labels, {header[i]: np.array(column) for i, column in numbers.items()}
+
+    @cached_property
+    def _columns(self) -> dict[str, NDArray[np.float64]]:
+        """The columns of ``states.csv`` that are no arrays of their own, by their names with short and long errors: shape [view, state]."""
+        own = {name: read_only(column.reshape(len(self.views), -1)) for name, column in self._table[1].items() if self._known(name) is None}
+        return own | {_metadata.long_error(name): column for name, column in own.items()}
+
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """Returns a quantity by its name; see the class.
 
@@ -117,10 +137,15 @@ class Result(Stored, ByName[NDArray[np.float64]]):
         known = self._known(name) if isinstance(name, str) else None
         if known is not None:
             return together[known] if known in together else alone[known]
-        for at, state in enumerate(self.states if isinstance(name, str) else ()):
-            rest = self._known(name[len(state) + 1 :]) if name.startswith((f"{state}.", f"{state}_")) else None
-            if rest is not None and rest in alone:
-                return alone[rest][:, at]
+        of_state = [(at, name[len(state) + 1 :]) for at, state in enumerate(self.states) if isinstance(name, str) and name.startswith((f"{state}.", f"{state}_"))]
+        for at, rest in of_state:
+            if (of_states := alone.get(self._known(rest) or "")) is not None:
+                return of_states[:, at]
+        if isinstance(name, str) and name in self._columns:
+            return self._columns[name]
+        for at, rest in of_state:
+            if rest in self._columns:
+                return self._columns[rest][:, at]
         known_names = list(self._names())
         raise KeyError(f"{name!r}: there is no such metric; states are {', '.join(self.states)}, metrics {', '.join(known_names)}")
 
@@ -138,8 +163,7 @@ class Result(Stored, ByName[NDArray[np.float64]]):
             >>> round(result.metrics()["white.Y"], 3)
             0.586
         """
-        if not -len(self.views) <= view < len(self.views):
-            raise ArgumentError(f"view: expected 0 to {len(self.views) - 1}, not {view!r}")
+        whole("view", view, 0, len(self.views) - 1)
         together, alone = self._arrays
         found = {name: float(values[view]) for name, values in together.items() if _metadata.parts(name)[1] is None}
         for s, state in enumerate(self.states):
@@ -221,19 +245,13 @@ class Result(Stored, ByName[NDArray[np.float64]]):
             >>> round(float(table.xs("white", level="state").Y.iloc[0]), 3)
             0.586
         """
-        import csv
-
         with optional("pandas"):
             import pandas
 
-        header, *rows = csv.reader(self._core.states_csv().decode().splitlines())
-        names = ["theta_deg", "phi_deg", "state"]
-        at = [header.index(name) for name in names]
-        kept = [i for i in range(len(header)) if i not in at]
-        numbers = np.array([[float(row[i]) if row[i] else np.nan for i in kept] for row in rows])
-        index = pandas.MultiIndex.from_tuples([(float(row[at[0]]), float(row[at[1]]), row[at[2]]) for row in rows], names=names)
-        columns = [header[i] if short_errors else _metadata.long_error(header[i]) for i in kept]
-        return pandas.DataFrame(numbers.reshape(-1, len(kept)), index=index, columns=columns)
+        labels, columns = self._table
+        index = pandas.MultiIndex.from_tuples(labels, names=_OF_ROWS)
+        named = {name if short_errors else _metadata.long_error(name): column for name, column in columns.items()}
+        return pandas.DataFrame(named, index=index)
 
     def figures(self) -> dict[str, Figure]:
         """Returns the figures of ``papilio run``, by name.

@@ -79,7 +79,8 @@ def with_solver(
         raise ArgumentError(f"set: expected a dict of paths and values, not {described(values)}")
     all_values = dict(values or {})
     if solver is not None:
-        all_values["solver.method"] = one_of("solver", solver, ("adding", "monte-carlo", "auto", "walk"))
+        known = "monte-carlo" if isinstance(solver, str) and solver == "walk" else solver
+        all_values["solver.method"] = one_of("solver", known, ("adding", "monte-carlo", "auto"))
     if seed is not None:
         all_values["solver.seed"] = whole("seed", seed, 0, _LARGEST_SEED)
     return all_values

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _messages, _metadata, _papilio
+from ._arguments import one_of, whole
 from ._mapping import ByName
 from ._snapshots import read_only
 from ._storing import Stored, optional
 from ._tables import long_table
-from .errors import ArgumentError
 from .figure import Figure
 from .running import Progress, checked_threads, reporting, with_solver
 from .scenario import Scenario, read
@@ -37,10 +37,17 @@ class _Written(Stored, ByName[NDArray[Any]]):
     _FILE: ClassVar[str]
 
     def __init__(
-        self, text: str, arrays: _Arrays, figures: Iterable[tuple[str, str]], title: str, warned: Sequence[str], notes: Sequence[str]
+        self,
+        text: str,
+        arrays: _Arrays,
+        figures: Iterable[tuple[str, str]],
+        title: str,
+        warned: Sequence[str],
+        notes: Sequence[str],
+        tables: Iterable[tuple[str, bytes]] = (),
     ) -> None:
         self._text, self._arrays = text, {name: read_only(one) for name, one in arrays.items()}
-        self._figures = list(figures)
+        self._figures, self._tables = list(figures), dict(tables)
         #: The scenario's title.
         self.title = title
         #: Warnings; each was also raised as a `papilio.PapilioWarning` by the computation.
@@ -66,7 +73,7 @@ class _Written(Stored, ByName[NDArray[Any]]):
         return self._text
 
     def _files(self) -> dict[str, bytes]:
-        return {self._FILE: self._text.encode()}
+        return {self._FILE: self._text.encode(), **self._tables}
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -122,9 +129,10 @@ class Mtf(_OfViews):
         title: str,
         warned: Sequence[str],
         notes: Sequence[str],
+        tables: Iterable[tuple[str, bytes]],
     ) -> None:
         together, alone = arrays
-        super().__init__(text, {**together, **alone}, figures, title, warned, notes)
+        super().__init__(text, {**together, **alone}, figures, title, warned, notes, tables)
         self._of_states = frozenset(alone)
         self._kernels = {state: read_only(one) for state, one in kernels.items()}
 
@@ -170,16 +178,11 @@ class Mtf(_OfViews):
         Raises:
             ArgumentError: if there is no such state, axis, light or view.
         """
-        if axis not in ("x", "y"):
-            raise ArgumentError(f"axis: expected 'x' or 'y', not {axis!r}")
-        if not -len(self.views) <= view < len(self.views):
-            raise ArgumentError(f"view: expected 0 to {len(self.views) - 1}, not {view!r}")
-        states = self.data["views"][view]["states"]
-        if state not in states:
-            raise ArgumentError(f"state: expected {' or '.join(map(repr, states))}, not {state!r}")
+        one_of("axis", axis, ("x", "y"))
+        states = self.data["views"][whole("view", view, 0, len(self.views) - 1)]["states"]
+        one_of("state", state, list(states))
         lights = {"all": states[state]["otf"], **states[state]["by_light"]}
-        if light not in lights:
-            raise ArgumentError(f"light: expected {' or '.join(map(repr, lights))}, not {light!r}")
+        one_of("light", light, list(lights))
         re, im = np.array(lights[light][f"otf_{axis}"]).T
         return np.asarray(re + 1j * im)
 
@@ -196,9 +199,7 @@ class Mtf(_OfViews):
         Raises:
             ArgumentError: if there is no such state.
         """
-        if state not in self._kernels:
-            raise ArgumentError(f"state: expected {' or '.join(map(repr, self._kernels))}, not {state!r}")
-        return self._kernels[state]
+        return self._kernels[one_of("state", state, list(self._kernels))]
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns all numbers but those of single lights as a Dataset over ``view``, ``state`` and ``frequency_per_mm``.
@@ -368,7 +369,7 @@ def mtf(
     states = list(json.loads(text)["views"][0]["states"])
     kernels = {state: core.kernel(state) for state in states}
     warned = _messages.merged(scene.warnings, core.warnings())
-    found = Mtf(text, core.arrays(), kernels, core.figures(changed.title), changed.title, warned, scene.notes)
+    found = Mtf(text, core.arrays(), kernels, core.figures(changed.title), changed.title, warned, scene.notes, core.tables())
     _messages.warn(found.warnings)
     return found
 
@@ -411,7 +412,7 @@ def crosstalk(
     with reporting(progress, "views") as tell:
         core = _papilio.Crosstalk(scene, checked_threads(threads), tell)
     warned = _messages.merged(scene.warnings, core.warnings())
-    found = Crosstalk(core.json(), core.arrays(), core.figures(changed.title), changed.title, warned, scene.notes)
+    found = Crosstalk(core.json(), core.arrays(), core.figures(changed.title), changed.title, warned, scene.notes, core.tables())
     _messages.warn(found.warnings)
     return found
 
@@ -454,6 +455,6 @@ def sparkle(
     scene = changed._scene()
     with reporting(progress, "views") as tell:
         core = _papilio.Sparkle(scene, changed.title, checked_threads(threads), tell)
-    found = Sparkle(core.json(), core.arrays(), core.figures(changed.title), changed.title, scene.warnings, scene.notes)
+    found = Sparkle(core.json(), core.arrays(), core.figures(changed.title), changed.title, scene.warnings, scene.notes, core.tables())
     _messages.warn(found.warnings)
     return found

@@ -53,10 +53,10 @@ class Surface(_Written):
         title: str,
         notes: list[str],
     ) -> None:
-        super().__init__(text, {}, figures, title, [], notes)
-        self._face = face
         written = {"totals.csv": totals, "totals_by_azimuth.csv": by_azimuth, "face.npz": face}
-        self._tables = {name: content for name, content in written.items() if content is not None}
+        tables = [(name, content) for name, content in written.items() if content is not None]
+        super().__init__(text, {}, figures, title, [], notes, tables)
+        self._face = face
         arrays: dict[str, NDArray[Any]] = {}
         if totals is not None and face is not None:
             arrays |= _by_inclination(totals)
@@ -71,9 +71,6 @@ class Surface(_Written):
         for one in arrays.values():
             one.flags.writeable = False
         self._arrays = arrays
-
-    def _files(self) -> dict[str, bytes]:
-        return {**super()._files(), **self._tables}
 
     def _axes(self) -> dict[str, tuple[str, ...]]:
         """Returns the axes of each array."""

@@ -25,21 +25,26 @@ pub(crate) fn xyz<'py>(
 ) -> Answer<'py> {
     let standard = if observer == "1964" { Standard::Cie1964 } else { Standard::Cie1931 };
     let grid = wavelength_grid(py, grid)?;
-    let observer = Observer::of(standard, &grid).map_err(|error| errors::argument(py, &error.to_string()))?;
+    let observer = Observer::of(standard, &grid);
+    let observer = observer.map_err(|error| errors::argument(py, &format!("wavelength_nm: {error}")))?;
     rows::<3>(py, spectra, grid.len(), |spectrum| observer.xyz(spectrum).to_array())
 }
 
-/// Spectrum of an illuminant.
+/// Spectrum of an illuminant; `argument` is that of its name in errors.
 #[pyfunction]
-pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, f64, f64)) -> Answer<'py> {
+pub(crate) fn illuminant_spectrum<'py>(
+    py: Python<'py>,
+    argument: &str,
+    name: &str,
+    grid: (f64, f64, f64),
+) -> Answer<'py> {
     let light = illuminant(name, &wavelength_grid(py, grid)?).map_err(|error| {
-        let names = papilio_spectra::illuminant_names().iter().copied();
-        let hint = match error {
-            SpectraError::UnknownName { .. } => did_you_mean(name, names),
-            _ => None,
+        let SpectraError::UnknownName { .. } = error else {
+            return errors::argument(py, &format!("wavelength_nm: illuminant {name}: {error}"));
         };
+        let hint = did_you_mean(name, papilio_spectra::illuminant_names().iter().copied());
         let hint = hint.map_or_else(String::new, |hint| format!("; {hint}"));
-        errors::argument(py, &format!("illuminant: {error}{hint}"))
+        errors::argument(py, &format!("{argument}: {error}{hint}"))
     })?;
     Ok(PyArray1::from_slice(py, &light))
 }
@@ -48,7 +53,10 @@ pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str, grid: (f64, 
 #[pyfunction]
 pub(crate) fn illuminant_sheet(py: Python<'_>, name: &str) -> PyResult<String> {
     let sheet = papilio_scenario::illuminant_sheet(name);
-    let sheet = sheet.map_err(|wrong| errors::argument(py, &crate::films::with_hint(&wrong)))?;
+    let sheet = sheet.map_err(|wrong| {
+        let wrong = crate::films::with_hint(&wrong);
+        errors::argument(py, &format!("name: {wrong}"))
+    })?;
     serde_json::to_string(&sheet).map_err(|error| errors::internal(&error.to_string()))
 }
 

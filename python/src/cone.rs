@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::columns::array;
 use crate::errors;
 use crate::scenario::Resolved;
+use crate::spatial::Figures;
 use crate::watch::computed;
 
 exports! { classes Cone; }
@@ -115,8 +116,12 @@ impl Cone {
         Ok(names.into_iter().zip(&files).map(|(name, bytes)| (name, PyBytes::new(py, bytes))).collect())
     }
 
-    /// SVG text of the maps; `None` if the directions do not span an area.
-    fn figure(&self, py: Python<'_>, title: &str) -> Option<String> {
-        py.detach(|| papilio_figures::cone(&self.of, title))
+    /// Names and SVG texts of the figures of `papilio run --cone`; none if the directions do not span an area.
+    fn figures(&self, py: Python<'_>, title: &str) -> Figures {
+        py.detach(|| {
+            let maps = papilio_figures::cone(&self.of, title).map(|svg| ("cone".to_owned(), svg));
+            let differences = papilio_figures::cone_differences(&self.of, title);
+            maps.into_iter().chain(differences.map(|svg| ("cone_differences".to_owned(), svg))).collect()
+        })
     }
 }

@@ -5,13 +5,16 @@ use std::sync::Arc;
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArray2, PyReadonlyArray3};
 use papilio_display::image::{ImageResult, Screen, ScreenSpace, ScreenWhite, SourceImage, image};
+use papilio_display::palette::bytes;
+use papilio_formats::panel::write_states_png;
 use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors;
+use crate::result::written;
 use crate::scenario::{Described, Resolved};
-use crate::spatial::text;
+use crate::spatial::{Tables, text};
 use crate::watch::{computed, detached};
 
 exports! { classes Image; }
@@ -120,14 +123,21 @@ impl Image {
         Ok(dict)
     }
 
-    /// The content of `seen.png`.
-    fn png(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
-        let mut bytes = Vec::new();
+    /// The contents of `seen.png` and, with a halftone, of `states.png`.
+    fn pictures<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
+        let ImageResult { size: [columns, _], states, palette, numbers, .. } = &self.of;
         let is_display_p3 = self.of.space == ScreenSpace::DisplayP3;
         let across = self.of.seen_size()[0];
-        let written = py.detach(|| write_rgb_png(&mut bytes, across, &self.of.on_screen, is_display_p3));
-        written.map_err(|error| errors::internal(&error.to_string()))?;
-        Ok(bytes)
+        let seen = written(py, |out| write_rgb_png(out, across, &self.of.on_screen, is_display_p3))?;
+        let mut pictures = vec![("seen.png".to_owned(), seen)];
+        if !states.is_empty() {
+            let shown: Vec<[u8; 3]> =
+                palette.colours.iter().map(|colour| colour.srgb.map_or([0; 3], bytes)).collect();
+            let content =
+                written(py, |out| write_states_png(out, *columns, states, &shown, &numbers.states))?;
+            pictures.push(("states.png".to_owned(), content));
+        }
+        Ok(pictures)
     }
 
     #[getter]

@@ -130,7 +130,7 @@ fn columns(result: &display::RunResult) -> serde_json::Result<[Columns; 2]> {
 }
 
 /// Returns the bytes that `write` writes, without holding the interpreter.
-fn written<'py>(
+pub(crate) fn written<'py>(
     py: Python<'py>,
     write: impl FnOnce(&mut Vec<u8>) -> std::io::Result<()> + Send,
 ) -> PyResult<Bound<'py, PyBytes>> {

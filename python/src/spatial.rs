@@ -3,12 +3,16 @@
 use numpy::PyArrayDyn;
 use papilio_display::gloss::{GlossResult, gloss};
 use papilio_display::spatial::{CrosstalkResult, MtfResult, SparkleResult, crosstalk, mtf, sparkle};
-use papilio_formats::{SparkleFile, SpatialFile, write_json};
+use papilio_formats::{
+    SparkleFile, SpatialFile, write_crosstalk_csv, write_gloss, write_json, write_kernel_npy, write_mtf_csv,
+    write_patterns_csv, write_sparkle, write_spread_csv,
+};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::columns::{Columns, array};
 use crate::errors;
+use crate::result::written;
 use crate::scenario::Resolved;
 use crate::watch::computed;
 
@@ -16,6 +20,9 @@ exports! { classes Crosstalk, Gloss, Mtf, Sparkle; }
 
 /// Names and SVG texts of figures.
 pub(crate) type Figures = Vec<(String, String)>;
+
+/// Names and contents of the tables and pictures that the program writes beside the JSON file.
+pub(crate) type Tables<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
 /// Sharpness of a display.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -62,6 +69,19 @@ impl Mtf {
         let cells = kernels().map(|kernel| kernel.cells).next().unwrap_or(0);
         let fractions = kernels().flat_map(|kernel| kernel.fractions.iter().copied()).collect();
         array(py, &[self.of.views.len(), cells, cells], fractions)
+    }
+
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
+        let mut tables = vec![
+            ("mtf.csv".to_owned(), written(py, |out| write_mtf_csv(out, &self.of))?),
+            ("spread.csv".to_owned(), written(py, |out| write_spread_csv(out, &self.of))?),
+        ];
+        let states = self.of.views.first().into_iter().flat_map(|view| view.states.iter());
+        for (state, _) in states.filter(|(_, state)| state.kernel.cells > 0) {
+            let kernel = written(py, |out| write_kernel_npy(out, &self.of, state))?;
+            tables.push((format!("kernel-{state}.npy"), kernel));
+        }
+        Ok(tables)
     }
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
@@ -121,6 +141,13 @@ impl Crosstalk {
             }
         }
         columns.into_dict(py)
+    }
+
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
+        Ok(vec![
+            ("crosstalk.csv".to_owned(), written(py, |out| write_crosstalk_csv(out, &self.of))?),
+            ("patterns.csv".to_owned(), written(py, |out| write_patterns_csv(out, &self.of))?),
+        ])
     }
 
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
@@ -183,6 +210,10 @@ impl Sparkle {
         columns.into_dict(py)
     }
 
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
+        Ok(vec![("sparkle.csv".to_owned(), written(py, |out| write_sparkle(out, &self.of))?)])
+    }
+
     fn figures(&self, py: Python<'_>, title: &str) -> Figures {
         py.detach(|| papilio_figures::of_sparkle(&self.of, title))
     }
@@ -225,6 +256,10 @@ impl Gloss {
             columns.add(number, "", &state);
         }
         columns.into_dict(py)
+    }
+
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
+        Ok(vec![("gloss.csv".to_owned(), written(py, |out| write_gloss(out, &self.of))?)])
     }
 
     fn warnings(&self) -> Vec<String> {

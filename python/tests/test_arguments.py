@@ -40,6 +40,14 @@ def test_run_with_invalid_argument_names_it(scenarios, arguments, names):
         papilio.run(scenarios / "indoor.toml", **arguments)
 
 
+def test_names_of_solvers_are_the_present_ones(scenarios):
+    """The old name is accepted, and not among those that an error lists."""
+    with pytest.raises(ArgumentError, match="expected 'adding' or 'monte-carlo' or 'auto', not 'x'"):
+        papilio.run(scenarios / "indoor.toml", solver="x")
+    old = papilio.run(scenarios / "indoor.toml", solver="walk", set={"solver.paths": 32, "spectrum.step_nm": 50})
+    assert old.data["solver"]["method"] == "monte-carlo"
+
+
 def test_invalid_scenario_raises_named_error():
     for path in [None, 5, b"x", "a\0b", ["indoor.toml"]]:
         with pytest.raises(ArgumentError, match="^scenario:"):

@@ -91,8 +91,11 @@ def test_chromaticity_of_black_is_nan():
         (lambda: colour.xyz(np.full(81, np.nan), NM), "spectra"),
         (lambda: colour.xyz(np.ones(3), [400, 500, 550]), "wavelength_nm"),
         (lambda: colour.xyz(np.ones(2), [500, 400]), "wavelength_nm"),
-        (lambda: colour.xyz(np.ones(3), [1000, 1100, 1200], None), "wavelength|observer|grid|380"),
-        (lambda: colour.xyz(np.ones(81), NM, "D66"), "illuminant"),
+        (lambda: colour.xyz(np.ones(3), [1000, 1100, 1200], None), "wavelength_nm: .*380"),
+        (lambda: colour.xyz(np.ones(3), [1000, 1100, 1200]), "wavelength_nm: .*380"),
+        (lambda: colour.xyz(np.ones(81), NM, "D66"), "light: there is no illuminant"),
+        (lambda: colour.illuminant("D66", NM), "name: there is no illuminant"),
+        (lambda: colour.illuminant_info("D66"), "name: there is no illuminant"),
         (lambda: colour.xyz(np.ones(81), NM, np.zeros(81)), "light"),
         (lambda: colour.xyz(np.ones(81), NM, np.ones(5)), "light"),
         (lambda: colour.xyz(np.ones(81), NM, observer="1950"), "observer"),
@@ -106,7 +109,7 @@ def test_chromaticity_of_black_is_nan():
     ],
 )
 def test_invalid_arguments_are_named(call, names):
-    with pytest.raises(ArgumentError, match=names):
+    with pytest.raises(ArgumentError, match=f"^.*{names}" if names == "shapes" else f"^{names}"):
         call()
 
 

@@ -17,12 +17,12 @@ def colours(rows: int = 12, columns: int = 20) -> np.ndarray:
     return np.stack([255 * x // columns, 255 * y // rows, 255 - 255 * x // columns], 2).astype(np.uint8)
 
 
-def test_picture_is_that_of_the_program(scenarios: Path, program: Path) -> None:
+def test_picture_is_that_of_the_program(scenarios: Path, program: Path, tmp_path: Path) -> None:
     file = scenarios / "six-ink.toml"
     picture = scenarios / "data" / "chelsea.png"
     small = {"display.matrix.pixels": [60, 40]}
     found = papilio.image(file, picture, set=small)
-    command = [program, "image", str(file), str(picture), "--set", "display.matrix.pixels=[60,40]", "--json"]
+    command = [program, "image", str(file), str(picture), "--set", "display.matrix.pixels=[60,40]", "--json", "--out", str(tmp_path / "theirs")]
     theirs = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     assert found.numbers == theirs | {"hash": found.numbers["hash"]}
     assert found["seen"].shape == found["wanted"].shape == found["mapped"].shape == (40, 60, 3)
@@ -30,6 +30,9 @@ def test_picture_is_that_of_the_program(scenarios: Path, program: Path) -> None:
     share = (found["states"] == found.states.index("white")).mean()
     assert share == pytest.approx(found.numbers["coverage"]["white"], abs=1e-12)
     assert found.png().startswith(b"\x89PNG")
+    for path in found.save(tmp_path):
+        assert path.suffix != ".png" or path.read_bytes() == (tmp_path / "theirs" / path.name).read_bytes()
+    assert (tmp_path / "states.png").exists()
     once = pickle.loads(pickle.dumps(found))
     assert copy.copy(once).to_json() == found.to_json() and np.array_equal(once["seen"], found["seen"])
     assert repr(found).startswith("<papilio.Image") and "states" in found

@@ -44,8 +44,9 @@ def test_unknown_name_raises_key_error(result):
     for name in ["Q", "white.Q", "purple.Y", "", "white.", "standard_error", 5, None]:
         with pytest.raises(KeyError):
             result[name]
-    with pytest.raises(papilio.ArgumentError, match="^view:"):
-        result.metrics(3)
+    for view in (3, -1, "a", None, 1.0):
+        with pytest.raises(papilio.ArgumentError, match="^view:"):
+            result.metrics(view)
 
 
 def test_metrics_of_view_have_names(result):
@@ -77,6 +78,31 @@ def test_table_equals_states_csv(result):
     assert len(table) == len(rows) == 24
     assert table.loc[(20.0, 0.0, "red"), "Y"] == result["red.Y"][1]
     assert {"Y_standard_error", "Y_discretisation_error"} <= set(table.columns)
+
+
+def test_columns_of_states_csv_are_arrays(result):
+    """Every column of numbers has its name in ``[]``, with the numbers of the table; columns of one state, too."""
+    table = result.to_pandas(short_errors=True)
+    for name in table.columns:
+        np.testing.assert_array_equal(np.broadcast_to(by_state(result[name]), (3, 8)).reshape(-1), table[name], err_msg=name)
+    np.testing.assert_array_equal(result["R_dir_0"], result["R_dir"][..., 0])
+    np.testing.assert_array_equal(result["Y_diffuse_discretisation_error"], result["discretisation_error.terms.diffuse"])
+    np.testing.assert_array_equal(result["white.hue_r"], result["hue_rgb"][:, 0, 0])
+    assert "Y_diffuse" in result and "Y_diffuse" not in list(result) and "R_dir_1" not in result
+
+
+def by_state(values):
+    """Numbers of a view for each of its states."""
+    return values if values.ndim == 2 else values[:, np.newaxis]
+
+
+def test_labels_have_words_and_units(result):
+    """Labels are known for every name of a result, and unknown names are errors."""
+    assert all(papilio.label(name).quantity != name for name in [*result.keys(), *papilio.metric_names()])
+    assert papilio.label("terms_diffuse_standard_error") == papilio.label("Y_diffuse_se") != papilio.label("Y_diffuse")
+    for name in ("nope", "gama_percent_srgb", ""):
+        with pytest.raises(KeyError, match="no such metric"):
+            papilio.label(name)
 
 
 def test_figures_are_svg_with_notebook_display(result, tmp_path):
@@ -112,6 +138,6 @@ def test_cone_equals_single_views(scenarios):
     single = papilio.run(scenarios / "indoor.toml", set={**values, "viewer.theta_deg": 40, "viewer.phi_deg": 90})
     assert cone["Y"].shape == (4, 3, 8)
     np.testing.assert_allclose(cone["Y"][1, 2], single["Y"][0], rtol=2e-3)
-    assert "<svg" in cone._repr_html_()
+    assert "<svg" in cone._repr_html_() and set(cone.figures()) == {"cone", "cone_differences"}
     pytest.importorskip("xarray")
     assert float(cone.to_xarray().contrast_ratio.sel(theta_deg=40, phi_deg=90)) == cone["contrast_ratio"][1, 2]

@@ -20,20 +20,25 @@ def sharp() -> papilio.Mtf:
     return papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE)
 
 
-def test_files_are_those_of_the_program(sharp: papilio.Mtf, scenarios: Path, program: Path) -> None:
-    def printed(*arguments: str) -> str:
-        return subprocess.run([program, *arguments, "--json"], capture_output=True, text=True, check=True).stdout
+def test_files_are_those_of_the_program(sharp: papilio.Mtf, scenarios: Path, program: Path, tmp_path: Path) -> None:
+    def assert_equal(found: papilio.AnyResult, command: str, *arguments: str) -> None:
+        theirs = tmp_path / command
+        call = [program, command, *arguments, "--json", "--out", theirs]
+        assert found.to_json() == subprocess.run(call, capture_output=True, text=True, check=True).stdout
+        saved = found.save(tmp_path / "own" / command)
+        assert {path.name for path in saved} == {path.name for path in theirs.iterdir()}
+        assert all(path.read_bytes() == (theirs / path.name).read_bytes() for path in saved)
 
-    assert sharp.to_json() == printed("mtf", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
+    assert_equal(sharp, "mtf", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
     shares = papilio.crosstalk(scenarios / "matrix.toml", set=COARSE)
-    assert shares.to_json() == printed("crosstalk", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
+    assert_equal(shares, "crosstalk", str(scenarios / "matrix.toml"), "--set", "spectrum.step_nm=50")
     few = ["--set", "sparkle.replicates=2", "--set", "sparkle.correlation_um=60", "--set", "spectrum.step_nm=50"]
     values = {"sparkle.replicates": 2, "sparkle.correlation_um": 60} | COARSE
     glitter = papilio.sparkle(scenarios / "antiglare.toml", set=values)
-    assert glitter.to_json() == printed("sparkle", str(scenarios / "antiglare.toml"), *few)
+    assert_equal(glitter, "sparkle", str(scenarios / "antiglare.toml"), *few)
     assert glitter["ppd"][0] == json.loads(glitter.to_json())["rows"][0]["ppd"]
     shiny = papilio.gloss(scenarios / "epaper.toml", set=COARSE)
-    assert shiny.to_json() == printed("gloss", str(scenarios / "epaper.toml"), "--set", "spectrum.step_nm=50")
+    assert_equal(shiny, "gloss", str(scenarios / "epaper.toml"), "--set", "spectrum.step_nm=50")
     assert shiny["gloss_60"][1] == shiny.data["states"]["black"]["gloss_60"]
 
 
@@ -58,6 +63,9 @@ def test_bad_names_and_scenarios_are_refused(sharp: papilio.Mtf, scenarios: Path
         sharp.otf("white", axis="z")
     with pytest.raises(papilio.ArgumentError, match="'white'"):
         sharp.kernel("grey")
+    for view in (-1, 1, "0", None):
+        with pytest.raises(papilio.ArgumentError, match="^view:"):
+            sharp.otf("white", view=view)
     with pytest.raises(papilio.ArgumentError, match="'diffuse'"):
         sharp.otf("white", light="lamp")
     with pytest.raises(papilio.ScenarioError, match="thickness_mm"):
