@@ -451,10 +451,21 @@ fn beyond(audit: &Audit) -> Option<String> {
     ))
 }
 
-/// Returns a warning if the values of a transmission may be in relative units.
+/// Returns a warning if the smallest incidence has no light, or the values of a transmission may be in relative units.
 fn relative(part: &MeasuredPart, audit: &Audit) -> Option<String> {
     let largest = audit.range[1];
-    let total = audit.incidences.first().map_or(1.0, |incidence| incidence.integral);
+    let first = audit.incidences.first();
+    let total = first.map_or(1.0, |incidence| incidence.integral);
+    if let (Some(dark), Some(lit)) =
+        (first.filter(|one| one.integral == 0.0), audit.incidences.iter().find(|one| one.integral > 0.0))
+    {
+        return Some(format!(
+            "all values at {} deg of incidence are 0, and the first incidence with light is {} deg: displays scatter no light of the \
+             smaller ones",
+            degrees(dark.theta_deg),
+            degrees(lit.theta_deg)
+        ));
+    }
     (part.way.is_transmission() && may_be_relative(total, largest) && audit.lit > 0).then(|| {
         format!(
             "{} of the light passes at the smallest incidence, and the largest value is {}: if the values are in relative units, \

@@ -96,7 +96,7 @@ impl TensorTree {
         let place = match self.rank {
             3 => {
                 let [x, y] = square_of_direction(Direction::new(o.theta_deg, o.phi_deg - i.phi_deg - 180.0));
-                [0.5 - 0.5 * i.theta_deg.to_radians().sin(), x, y, 0.0]
+                [of_isotropic(i), x, y, 0.0]
             }
             _ => {
                 let ([x, y], [u, v]) = (square_of_direction(i.specular()), square_of_direction(o));
@@ -138,7 +138,7 @@ impl TensorTree {
     /// above 0. For rank 3 the square is rotated, so that the specular direction has azimuth 0.
     pub(crate) fn each_lit(&self, values: &[f64], light: Direction, each: &mut dyn FnMut(LitSquare)) {
         let place = match self.rank {
-            3 => [0.5 - 0.5 * light.theta_deg.to_radians().sin(), 0.0],
+            3 => [of_isotropic(light), 0.0],
             _ => square_of_direction(light.specular()),
         };
         self.descend(values, 0, (place.map(within_square), true), ([0.0, 0.0], 1.0), each);
@@ -291,7 +291,16 @@ impl LitSquare {
 /// differs from a limit by rounding is on it, so that light and its specular direction are in corresponding
 /// cells.
 fn within_square(x: f64) -> f64 {
-    (x + 1e-9).clamp(0.0, 1.0 - 1e-9)
+    (x + ROUNDING).clamp(0.0, 1.0 - ROUNDING)
+}
+
+/// Distance in the square of places that are the same.
+const ROUNDING: f64 = 1e-9;
+
+/// Place of the light on its side of a rank 3 cube. Light along the normal, at the border, is in the half that is used: the
+/// other one often holds zeros.
+fn of_isotropic(light: Direction) -> f64 {
+    (0.5 - 0.5 * light.theta_deg.to_radians().sin()).min(0.5 - 2.0 * ROUNDING)
 }
 
 /// Place of a direction in the square.
@@ -375,6 +384,19 @@ mod tests {
                 }
             }
             assert_eq!(inside, if rank == 3 { 32 } else { 256 });
+        }
+    }
+
+    /// The half beyond the border, at which the light along the normal is, holds zeros.
+    #[test]
+    fn light_along_the_normal_is_in_the_used_half() {
+        let tree = tree(3);
+        let used = |cell: usize| tree.directions(cell).is_some();
+        let values: Vec<f64> = (0..tree.cells()).map(|cell| f64::from(u8::from(used(cell)))).collect();
+        for theta in [0.0, 1e-9, 30.0, 90.0] {
+            let light = Direction::new(theta, 70.0);
+            assert!(tree.cell(light, Direction::new(40.0, 33.0)).is_some_and(used), "{theta}");
+            assert!((tree.mean_total(&values, theta) - PI).abs() < 1e-12, "{theta}");
         }
     }
 

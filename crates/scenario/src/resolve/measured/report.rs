@@ -55,7 +55,11 @@ impl Resolver<'_> {
             return self.report_rest(path, way, changes);
         }
         let total = share * changes.totals.first().map_or(1.0, |[_, after]| *after);
-        if is_through && !changes.to_tis && may_be_relative(total, changes.largest) {
+        if total == 0.0 && largest > 0.0 {
+            self.warnings.push(format!(
+                "{path}: {way}: all values at the smallest incidence are 0, and those of other incidences are not: its light is not scattered"
+            ));
+        } else if is_through && !changes.to_tis && may_be_relative(total, changes.largest) {
             self.warnings.push(format!(
                 "{path}: {way}: {:.2} % of the light passes at the smallest incidence, and the largest value is {}: if the values are in \
                  relative units, `total_transmittance` gives them their level",
