@@ -48,13 +48,16 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     let mut lines = Lines::new(text);
     let mut provenance = Provenance { format: NAME.to_owned(), ..Provenance::default() };
     let (mut points, mut channels) = (None, Vec::new());
-    while channels.is_empty() {
-        let line = lines.expect("the line `VARS`")?;
+    let mut next = Some(lines.expect("the line `VARS`")?);
+    // Other keywords may follow `VARS`.
+    while let Some(line) = next.take_if(|line| channels.is_empty() || is_keyword(text, line)) {
+        next = if channels.is_empty() { Some(lines.expect("the line `VARS`")?) } else { lines.next()? };
         let mut words = text.words(line.clone());
         let Some(key) = words.next() else { continue };
         let value = text.quote(key.end..line.end);
         match text.quote(key).to_ascii_uppercase().as_str() {
-            "VARS" => channels = columns(text, &line)?,
+            "VARS" if channels.is_empty() => channels = columns(text, &line)?,
+            "VARS" => return Err(text.error(line, BsdfProblem::Twice { what: "the line `VARS`".to_owned() })),
             "NUM_POINTS" => {
                 points = words.next().map(|word| Ok((word.clone(), text.number(word)?))).transpose()?
             }
@@ -70,9 +73,10 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
     }
     let mut rows = Rows::default();
     let mut count = 0;
-    while let Some(line) = lines.next()? {
+    while let Some(line) = next {
         row(text, line, &channels, &mut rows)?;
         count += 1;
+        next = lines.next()?;
     }
     if count == 0 {
         return Err(text.ends("the first row of data"));
@@ -97,6 +101,16 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
             })
         }
     }
+}
+
+/// Returns whether a line begins with a word of letters, digits and underscores that is no number.
+fn is_keyword(text: Text<'_>, line: &Range<usize>) -> bool {
+    let Some(first) = text.words(line.clone()).next() else { return false };
+    let word = String::from_utf8_lossy(&text.bytes[first]);
+    word.len() > 1
+        && word.starts_with(|letter: char| letter.is_ascii_alphabetic())
+        && word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        && word.parse::<f64>().is_err()
 }
 
 /// Reads the channels of the line `VARS`.

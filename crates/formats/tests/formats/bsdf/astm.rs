@@ -28,6 +28,29 @@ fn astm_angles_are_radians_from_the_normal_of_the_front() {
     assert!((i.theta_deg - 30.0).abs() < 1e-9 && (o.theta_deg - 30.0).abs() < 1e-9 && o.phi_deg == 0.0);
 }
 
+/// The order of keywords is free, up to the first row.
+#[test]
+fn astm_keywords_may_follow_the_line_vars() {
+    let (head, rows) = ASTM.split_at(ASTM.find("0.52").unwrap());
+    let mut lines: Vec<&str> = head.lines().collect();
+    lines.rotate_right(1);
+    let turned = format!("{}\n{rows}", lines.join("\n"));
+    assert!(turned.starts_with("VARS"));
+    assert_eq!(read(&turned[..]).parts, read(ASTM).parts);
+    let wrong = turned.replace("NUM_POINTS 3", "NUM_POINTS 4");
+    assert_eq!(
+        refused_bsdf(&wrong[..]),
+        (Some((4, 12)), BsdfProblem::Count { what: "rows", found: 3, count: 4 })
+    );
+    let twice = turned.replace("SAMPLE film 7", lines[0]);
+    assert!(matches!(refused_bsdf(&twice[..]), (Some((2, 1)), BsdfProblem::Twice { .. })));
+    // A number with a typing error is no keyword.
+    assert!(matches!(
+        refused(ASTM.replacen("0.5235987755982988", "O.5", 1)),
+        (Some((5, 1)), Problem::NotANumber { .. })
+    ));
+}
+
 #[test]
 fn malformed_astm_file_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| ASTM.replacen(from, to, 1);
