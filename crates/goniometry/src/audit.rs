@@ -11,7 +11,7 @@ mod cells;
 mod patches;
 mod reciprocity;
 
-use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation, resampling_errors};
+use crate::shape::{Extent, Resampling, inclined_to_deg, on_specular_grid, pair_interpolation};
 use crate::{Fill, Geometry, MeasuredPart, PairErrors, Shape, SpecularGrid};
 
 /// Smallest angle of light that counts as haze, degrees (ASTM D1003).
@@ -150,15 +150,15 @@ pub struct Channels<'a> {
     /// Values on a specular-centred grid, and the width, if the cells are not summed.
     grid: Option<(SpecularGrid, Vec<f64>)>,
     width: Option<f64>,
-    /// Uncertainties from the file's own grid, if that is about the normal: those of the luminous channel, or of the first.
-    resampled: Vec<[f64; 2]>,
+    /// What is known of the resampling: of the luminous channel, or of the first.
+    resampling: Resampling,
 }
 
 impl<'a> Channels<'a> {
     /// Channels of a part, given by their indices; `None` for fewer than 12 different listed pairs.
     pub fn new(part: &'a MeasuredPart, channels: Vec<usize>) -> Option<Self> {
         if let Geometry::Patches { .. } | Geometry::Tree(_) = &part.geometry {
-            return Some(Self { part, channels, grid: None, width: None, resampled: Vec::new() });
+            return Some(Self { part, channels, grid: None, width: None, resampling: Resampling::default() });
         }
         let (grid, values) = on_specular_grid(part, &channels)?;
         // All are interpolated with the width of the luminous one, or of the first: lobes of a sample differ
@@ -167,9 +167,9 @@ impl<'a> Channels<'a> {
         let width = (channels.len() > 1).then(|| {
             Shape::of_grid(&grid, &values[luminous * grid.cells()..][..grid.cells()], Fill::None).width()
         });
-        let resampled =
-            channels.get(luminous).map_or_else(Vec::new, |channel| resampling_errors(part, *channel, &grid));
-        Some(Self { part, channels, grid: Some((grid, values)), width, resampled })
+        let resampling = channels.get(luminous).map(|channel| Resampling::new(part, *channel, &grid));
+        let resampling = resampling.unwrap_or_default();
+        Some(Self { part, channels, grid: Some((grid, values)), width, resampling })
     }
 
     /// Number of channels.
@@ -183,7 +183,7 @@ impl<'a> Channels<'a> {
         match (&self.part.geometry, &self.grid) {
             (_, Some((grid, values))) => {
                 let values = &values[number * grid.cells()..][..grid.cells()];
-                Audit::on_grid(self.part, channel, (grid, values), (self.width, &self.resampled))
+                Audit::on_grid(self.part, channel, (grid, values), (self.width, &self.resampling))
             }
             (Geometry::Tree(tree), None) => cells::audit(tree, self.part, channel),
             (Geometry::Patches { incoming, outgoing }, None) => {
@@ -207,11 +207,11 @@ impl Audit {
         part: &MeasuredPart,
         channel: usize,
         (grid, values): (&SpecularGrid, &[f64]),
-        (width, resampled): (Option<f64>, &[[f64; 2]]),
+        (width, resampling): (Option<f64>, &Resampling),
     ) -> Self {
         let inclined_to_deg = inclined_to_deg(part, channel);
         let extent = Extent { width, inclined_to_deg, ..Extent::default() };
-        let shape = Shape::of_extent(grid, values, Fill::None, extent).with_errors(resampled.to_vec());
+        let shape = Shape::of_extent(grid, values, Fill::None, extent).resampled(resampling);
         // Where all cells have light, and reach the horizon, nothing can be filled.
         let is_full = |k: usize| shape.measured_to_deg(k).is_none();
         let is_closed = (0..grid.incidences_deg.len()).all(is_full) && !has_dark_cells(grid, values);

@@ -9,7 +9,7 @@ use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 use papilio_optics::{Beta, Scatterer};
 
-use crate::shape::{Extent, inclined_to_deg, on_specular_grid, pair_interpolation, resampling_errors};
+use crate::shape::{Extent, Resampling, inclined_to_deg, on_specular_grid, pair_interpolation};
 use crate::tree::{RING_DEG, ring_kernel};
 use crate::{
     Direction, Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
@@ -141,7 +141,7 @@ pub fn kernel(
     };
     let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
     let shape =
-        Shape::of_extent(&grid, &cells, fill, extent).with_errors(resampling_errors(part, channel, &grid));
+        Shape::of_extent(&grid, &cells, fill, extent).resampled(&Resampling::new(part, channel, &grid));
     let incidences: Vec<f64> = shape.incidences_deg().collect();
     // Lobe and total are means over rotations.
     let tis: Option<Vec<f64>> = (0..incidences.len()).map(|k| part.mean_tis(channel, k)).collect();
@@ -177,6 +177,7 @@ pub fn kernel(
         Some(index) if index > 1.0 => Scatter::from(table.reaching(index)),
         _ => in_air,
     };
+    let pairs = pair_interpolation(part, channel);
     let grid_errors: Vec<[f64; 2]> = (0..incidences.len()).map(|k| shape.grid_errors(k)).collect();
     let largest = |of: fn(&[f64; 2]) -> f64| grid_errors.iter().map(of).fold(0.0, f64::max);
     let changes = Changes {
@@ -194,14 +195,14 @@ pub fn kernel(
         held_azimuths_deg: shape.held_azimuths_deg(),
         held_single,
         inclined_to_deg: extent.inclined_to_deg,
-        pairs: pair_interpolation(part, channel).map(|pairs| pairs.errors()),
+        pairs: pairs.as_ref().map(|pairs| pairs.errors()),
         rings_deg: None,
         last_deg: incidences[incidences.len() - 1],
         held: if extrapolate.is_some() { 1.0 - last * last } else { 0.0 },
         lost: if extrapolate.is_some() { 0.0 } else { 1.0 - last * last },
         grid_error: largest(|[by_distance, by_azimuth]| by_distance + by_azimuth),
         azimuth_error: largest(|[_, by_azimuth]| *by_azimuth),
-        asymmetry: shape.asymmetry(),
+        asymmetry: pairs.map_or(shape.asymmetry(), |pairs| pairs.asymmetry()),
     };
     Ok((scatter, changes))
 }
@@ -258,7 +259,7 @@ fn of_tree(
         lost: 0.0,
         grid_error: 0.0,
         azimuth_error: 0.0,
-        asymmetry: 0.0,
+        asymmetry: tree.asymmetry(values),
     };
     Ok((scatter, changes))
 }

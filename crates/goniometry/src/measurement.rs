@@ -170,9 +170,9 @@ impl MeasuredPart {
     /// `None` unless the file gives it for each rotation.
     pub fn mean_tis(&self, channel: usize, incidence: usize) -> Option<f64> {
         let Geometry::Specular(grid) = &self.geometry else { return None };
-        let turns = || (0..grid.rotations_deg.len()).map(|turn| (turn, grid.rotation_weight(turn)));
-        let sum: Option<f64> =
-            turns().map(|(turn, weight)| Some(weight * self.tis(channel, turn, incidence)?)).sum();
-        sum.map(|sum| sum / turns().map(|(_, weight)| weight).sum::<f64>())
+        let weights = grid.rotation_weights();
+        let of_turn = |(turn, weight): (usize, &f64)| Some(weight * self.tis(channel, turn, incidence)?);
+        let sum: Option<f64> = weights.iter().enumerate().map(of_turn).sum();
+        sum.map(|sum| sum / weights.iter().sum::<f64>())
     }
 }

@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use papilio_goniometry::{
-    Channel, Direction, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid,
-    Symmetry, on_specular_grid, patch_of, projected_solid_angle,
+    Channel, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid, Symmetry,
+    on_specular_grid, patch_count, projected_solid_angle,
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
@@ -63,9 +63,9 @@ fn resample(
                  distances in steps of 0.5 to 2 deg; the TIS is the integral of the values"
             }
             _ => {
-                "the values were interpolated for light from one azimuth, at azimuths in steps of 10 deg and radial distances in steps \
-                 of 0.5 to 2 deg (and at incidences from 0 to 85 deg in steps of 5 deg, where the cells define none); the TIS is \
-                 their integral"
+                "the values were interpolated, with their means over azimuths of the light, at azimuths in steps of 10 deg and radial distances \
+                 in steps of 0.5 to 2 deg (and at incidences from 0 to 85 deg in steps of 5 deg, where the cells define none); the TIS \
+                 is their integral"
             }
         }
         .to_owned(),
@@ -90,9 +90,11 @@ fn sum_over_cells(geometry: &Geometry, values: &[f64], theta_deg: f64) -> Option
         Geometry::Tree(tree) => Some(tree.mean_total(values, theta_deg)),
         Geometry::Patches { incoming, outgoing } => {
             let omega = projected_solid_angle(outgoing);
-            let column =
-                values.chunks_exact(omega.len()).nth(patch_of(incoming, Direction::new(theta_deg, 0.0))?)?;
-            Some(column.iter().zip(&omega).map(|(f, omega)| f.max(0.0) * omega).sum())
+            let ring = incoming.iter().rposition(|ring| ring.from_deg <= theta_deg)?;
+            let (first, count) = (patch_count(&incoming[..ring]), incoming[ring].patches);
+            let columns = values.chunks_exact(omega.len()).skip(first).take(count);
+            let light = columns.flat_map(|column| column.iter().zip(&omega));
+            Some(light.map(|(f, omega)| f.max(0.0) * omega).sum::<f64>() / count as f64)
         }
         _ => None,
     }

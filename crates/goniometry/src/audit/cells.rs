@@ -30,7 +30,7 @@ pub(super) fn audit(tree: &TensorTree, part: &MeasuredPart, channel: usize) -> A
         negative: count(|value| *value < 0.0),
         dark_beyond_deg: 90.0,
         range: [lit().fold(f64::INFINITY, f64::min), peak],
-        asymmetry: asymmetry(tree, values),
+        asymmetry: tree.asymmetry(values),
         reciprocity: reciprocity::of_pairs(part, channel, peak),
         incidences,
         ..Audit::empty()
@@ -47,19 +47,20 @@ fn incidence(tree: &TensorTree, part: &MeasuredPart, channel: usize, theta_deg: 
     Incidence::of_cells(theta_deg, integral, peak)
 }
 
-/// Relative root mean square difference of the totals of an anisotropic tree between azimuths of the light.
-fn asymmetry(tree: &TensorTree, values: &[f64]) -> f64 {
-    let (mut differences, mut squares) = (0.0, 0.0);
-    for theta in [30.0, 60.0] {
-        let totals: Vec<f64> = tree.lights(theta).iter().map(|light| tree.total(values, *light)).collect();
-        let mean = totals.iter().sum::<f64>() / totals.len() as f64;
-        differences += totals.iter().map(|total| (total - mean).powi(2)).sum::<f64>();
-        squares += totals.len() as f64 * mean * mean;
-    }
-    if squares > 0.0 { f64::sqrt(differences / squares) } else { 0.0 }
-}
-
 impl TensorTree {
+    /// Relative root mean square difference of the totals of an anisotropic tree between azimuths of the light.
+    pub(crate) fn asymmetry(&self, values: &[f64]) -> f64 {
+        let (mut differences, mut squares) = (0.0, 0.0);
+        for theta in [30.0, 60.0] {
+            let totals: Vec<f64> =
+                self.lights(theta).iter().map(|light| self.total(values, *light)).collect();
+            let mean = totals.iter().sum::<f64>() / totals.len() as f64;
+            differences += totals.iter().map(|total| (total - mean).powi(2)).sum::<f64>();
+            squares += totals.len() as f64 * mean * mean;
+        }
+        if squares > 0.0 { f64::sqrt(differences / squares) } else { 0.0 }
+    }
+
     /// Integral of f cos over the hemisphere, for light from this direction.
     pub(crate) fn total(&self, values: &[f64], light: Direction) -> f64 {
         let mut sum = 0.0;

@@ -1,7 +1,7 @@
 //! Reciprocity: differences of f(i, o) and f(o, i) where both were measured.
 //!
 //! A grid of inclinations is compared at its own directions where those of the light are among those of the
-//! viewer. A grid about the specular direction is compared where all neighbouring cells have light, no more
+//! viewer; with several azimuths of the light, rotations of a pair are different pairs. A grid about the specular direction is compared where all neighbouring cells have light, no more
 //! than [`WIDEST_DEG`] apart in azimuth. Listed pairs are compared with those of the list in the opposite direction. Other
 //! geometries have a value for each pair, or none. What is extrapolated or was not measured is never compared.
 
@@ -72,14 +72,13 @@ pub(super) fn of_pairs(part: &MeasuredPart, channel: usize, peak: f64) -> Option
     sums.relative()
 }
 
-/// Compares values of a grid of inclinations. The light has the first of its azimuths; for an isotropic
-/// sample, only differences of azimuths matter.
+/// Compares values of a grid of inclinations. With one azimuth of the light, only differences of azimuths matter.
 fn at_own_directions(grid: &SphericalGrid, part: &MeasuredPart, channel: usize, sums: &mut Sums) {
-    let Some(light) = grid.phi_i_deg.first() else { return };
+    let [light] = &grid.phi_i_deg[..] else { return at_all_azimuths(grid, part, channel, sums) };
     let place = |theta: f64| grid.theta_o_deg.iter().position(|own| (own - theta).abs() < SAME_DEG);
     let values = part.channel(channel);
     let value = |from: usize, to: f64, azimuth: usize| {
-        let row = from * grid.phi_i_deg.len() * grid.theta_o_deg.len() + place(to)?;
+        let row = from * grid.theta_o_deg.len() + place(to)?;
         values.get(row * grid.phi_o_deg.len() + azimuth).copied().filter(|f| f.is_finite())
     };
     let is_on_both = grid.theta_i_deg.iter().filter(|theta| place(**theta).is_some()).count() > 1;
@@ -94,6 +93,22 @@ fn at_own_directions(grid: &SphericalGrid, part: &MeasuredPart, channel: usize, 
                     };
                     sums.add(between(*from, *to), between(*to, *from));
                 }
+            }
+        }
+    }
+}
+
+/// Compares values of a grid of inclinations with several azimuths of the light.
+fn at_all_azimuths(grid: &SphericalGrid, part: &MeasuredPart, channel: usize, sums: &mut Sums) {
+    for (k, from) in grid.theta_i_deg.iter().enumerate() {
+        for to in &grid.theta_i_deg[k + 1..] {
+            for (light, viewer) in grid
+                .phi_i_deg
+                .iter()
+                .flat_map(|light| grid.phi_o_deg.iter().map(move |viewer| (*light, *viewer)))
+            {
+                let [i, o] = [Direction::new(*from, light), Direction::new(*to, viewer)];
+                sums.add(part.evaluate(channel, i, o), part.evaluate(channel, o, i));
             }
         }
     }

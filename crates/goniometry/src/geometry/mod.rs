@@ -11,6 +11,7 @@ mod warp;
 mod warped;
 
 pub use half_angle::HalfAngleGrid;
+pub(crate) use one_side::turn_weights;
 pub use one_side::{Overlap, PartOfCircle};
 pub use patches::{
     KLEMS_FULL, KLEMS_HALF, KLEMS_QUARTER, Ring, patch_count, patch_of, projected_solid_angle,

@@ -8,7 +8,7 @@ use super::{Geometry, SpecularGrid, SphericalGrid, Symmetry};
 use crate::MeasuredPart;
 
 /// Azimuths that differ by less are the same, degrees: the rounding of radians with three decimals.
-const SAME_DEG: f64 = 0.03;
+pub(super) const SAME_DEG: f64 = 0.03;
 
 /// Azimuths of the scattered light that cover too little: neither half a circle nor a whole one, or, for
 /// light from azimuths outside one plane, no whole one.
@@ -174,7 +174,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Azimuth from the plane of incidence on any side, 0 to 180 deg.
-fn within_half(azimuth: f64) -> f64 {
+pub(super) fn within_half(azimuth: f64) -> f64 {
     let turned = azimuth.rem_euclid(360.0);
     turned.min(360.0 - turned)
 }
@@ -227,9 +227,41 @@ fn is_circle(azimuths: &[f64]) -> bool {
     matches!(gaps[..], [widest, second, ..] if widest < 180.0 - SAME_DEG && widest <= 2.0 * second + SAME_DEG)
 }
 
+/// Weights of azimuths in a mean over a full turn: the arcs about them if they cover a circle. Otherwise they are equal, but a
+/// first and a last one that are the same count half each.
+pub(crate) fn turn_weights(azimuths: &[f64]) -> Vec<f64> {
+    let count = azimuths.len();
+    if !is_circle(azimuths) {
+        let is_full_turn = matches!(azimuths[..], [first, .., last] if last - first > 360.0 - SAME_DEG);
+        let is_half = |k: usize| is_full_turn && (k == 0 || k + 1 == count);
+        return (0..count).map(|k| if is_half(k) { 0.5 } else { 1.0 }).collect();
+    }
+    let turned = |k: usize| azimuths[k].rem_euclid(360.0);
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| turned(*a).total_cmp(&turned(*b)));
+    let mut weights = vec![0.0; count];
+    for (place, this) in order.iter().enumerate() {
+        let (next, turn) = if place + 1 < count { (order[place + 1], 0.0) } else { (order[0], 360.0) };
+        let gap = turned(next) + turn - turned(*this);
+        weights[*this] += gap;
+        weights[next] += gap;
+    }
+    weights
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn weights_of_a_turn_are_its_arcs() {
+        assert_eq!(turn_weights(&[0.0, 90.0, 180.0, 270.0]), [180.0; 4]);
+        assert_eq!(turn_weights(&[0.0, 90.0, 180.0, 270.0, 360.0]), [90.0, 180.0, 180.0, 180.0, 90.0]);
+        assert_eq!(turn_weights(&[-60.0, 0.0, 60.0, 180.0]), [180.0, 120.0, 180.0, 240.0]);
+        assert_eq!(turn_weights(&[0.0, 45.0, 90.0]), [1.0; 3], "no circle");
+        assert_eq!(turn_weights(&[0.0, 180.0, 360.0]), [0.5, 1.0, 0.5]);
+        assert_eq!(turn_weights(&[30.0]), [1.0]);
+    }
 
     fn steps(from: i32, to: i32, step: usize) -> Vec<f64> {
         (from..=to).step_by(step).map(f64::from).collect()

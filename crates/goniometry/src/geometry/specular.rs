@@ -9,6 +9,7 @@
 //! rotated by `-w` relative to the sample: light comes from azimuth `180 - w`.
 
 use super::axis::{Weights, around, between, mirrored};
+use super::one_side::turn_weights;
 use crate::Direction;
 
 /// Grid of rings about the specular direction. Cells in the order rotation, incidence, azimuth, radial
@@ -45,15 +46,9 @@ impl SpecularGrid {
             * self.radials_deg.len()
     }
 
-    /// Weight of a rotation in the mean over a full turn; a first and a last one that are the same count half
-    /// each.
-    pub(crate) fn rotation_weight(&self, turn: usize) -> f64 {
-        let full_turn = match self.rotations_deg[..] {
-            [first, .., last] => last - first > 360.0 - 1e-6,
-            _ => false,
-        };
-        let is_end = turn == 0 || turn + 1 == self.rotations_deg.len();
-        if full_turn && is_end { 0.5 } else { 1.0 }
+    /// Weights of the rotations in the mean over a full turn.
+    pub(crate) fn rotation_weights(&self) -> Vec<f64> {
+        turn_weights(&self.rotations_deg)
     }
 
     /// Directions of light and viewer of a cell, in the coordinates of the sample; `None` outside the

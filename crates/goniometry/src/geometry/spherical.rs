@@ -1,6 +1,7 @@
 //! Grid of inclinations and azimuths of light and viewer.
 
 use super::axis::{Weights, around, between, mirrored};
+use super::one_side::{SAME_DEG, within_half};
 use crate::Direction;
 
 /// Product grid of angles, degrees, each ascending. Cells in the order theta_i, phi_i, theta_o, phi_o, the
@@ -63,6 +64,14 @@ impl SphericalGrid {
             ([light], [first, .., last]) => first - light >= 0.0 && last - light <= 180.0,
             _ => false,
         }
+    }
+
+    /// Place of an azimuth on the axis of the viewer; `None` if it lies between its angles.
+    pub(crate) fn viewer_place(&self, phi_deg: f64) -> Option<usize> {
+        let near = around(&self.phi_o_deg, phi_deg)?;
+        let is_here =
+            |k: &usize| self.phi_o_deg.len() == 1 || within_half(self.phi_o_deg[*k] - phi_deg) < SAME_DEG;
+        near.into_iter().map(|(k, _)| k).find(is_here)
     }
 
     fn mean(&self, values: &[f64], weights: [Weights; 4]) -> Option<f64> {

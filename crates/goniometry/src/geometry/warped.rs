@@ -88,6 +88,14 @@ impl WarpedGrid {
         self.fields.phi_i.len() <= 2
     }
 
+    /// Azimuths of the light, degrees, and their weights in the mean over a turn, of which the measured range is the whole,
+    /// or a part that mirror symmetry repeats.
+    pub(crate) fn lights_deg(&self) -> Vec<(f64, f64)> {
+        let phi = &self.fields.phi_i;
+        let weight = |k: usize| phi[(k + 1).min(phi.len() - 1)] - phi[k.saturating_sub(1)];
+        (0..phi.len()).map(|k| (phi[k].to_degrees(), weight(k))).collect()
+    }
+
     /// Reflects a pair into the measured range of azimuths by the sample's mirror symmetry: a half or a
     /// quarter of the circle, from -180 deg.
     fn reduced(&self, mut i: [f64; 3], mut o: [f64; 3]) -> [[f64; 3]; 2] {

@@ -43,10 +43,13 @@ pub(super) struct DifferenceSums {
 }
 
 impl DifferenceSums {
-    /// Adds values with their weights.
-    fn add(&mut self, values: &[(f64, f64)], mean: f64) {
+    /// Adds values with their weights, and returns their mean; `None` if there are none.
+    pub(super) fn mean(&mut self, values: &[(f64, f64)]) -> Option<f64> {
+        let weights: f64 = values.iter().map(|(_, weight)| weight).sum();
+        let mean = values.iter().map(|(value, weight)| weight * value).sum::<f64>() / weights;
         self.differences += values.iter().map(|(value, weight)| weight * (value - mean).powi(2)).sum::<f64>();
-        self.values += values.iter().map(|(_, weight)| weight).sum::<f64>() * mean * mean;
+        self.values += if values.is_empty() { 0.0 } else { weights * mean * mean };
+        (!values.is_empty()).then_some(mean)
     }
 
     pub(super) fn relative(&self) -> f64 {
@@ -71,6 +74,7 @@ pub(super) fn folded(
     let mut half: Vec<f64> = (0..azimuths).map(aside).collect();
     half.sort_by(f64::total_cmp);
     half.dedup_by(|b, a| *b - *a < SAME_DEG);
+    let weights = grid.rotation_weights();
     let theta_deg = grid.incidences_deg[incidence];
     let last_deg = grid.radials_deg.last().copied().unwrap_or(0.0);
     let mut cells = Cells {
@@ -94,16 +98,12 @@ pub(super) fn folded(
             else {
                 break;
             };
-            let rows = (0..grid.rotations_deg.len()).flat_map(|turn| {
+            let rows = weights.iter().enumerate().flat_map(|(turn, weight)| {
                 let row = (turn * grid.incidences_deg.len() + incidence) * azimuths;
-                let weight = grid.rotation_weight(turn);
-                like.iter().map(move |m| (values[(row + m) * radials + r], weight))
+                like.iter().map(move |m| (values[(row + m) * radials + r], *weight))
             });
             let known: Vec<(f64, f64)> = rows.filter(|(value, _)| value.is_finite()).collect();
-            let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
-            let sum: f64 = known.iter().map(|(value, weight)| weight * value).sum();
-            let mean = (!known.is_empty()).then(|| sum / weights);
-            mean.iter().for_each(|mean| asymmetry.add(&known, *mean));
+            let mean = asymmetry.mean(&known);
             // Distance from the specular direction in the plane of direction cosines.
             let delta = (beta.x - cells.theta_deg.to_radians().sin()).hypot(beta.y);
             if line.last().is_none_or(|(before, _)| delta > *before) {

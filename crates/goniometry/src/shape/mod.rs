@@ -22,6 +22,7 @@ mod horizon;
 mod incidence;
 mod line;
 mod resample;
+mod rotated;
 mod spherical;
 
 use papilio_optics::Beta;
@@ -32,7 +33,7 @@ pub(crate) use horizon::inclined_to_deg;
 use incidence::Incidence;
 use line::Line;
 pub use resample::on_specular_grid;
-pub(crate) use resample::{first_lobes, pair_interpolation, resampling_errors};
+pub(crate) use resample::{Resampling, first_lobes, pair_interpolation};
 
 /// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,8 +73,8 @@ pub struct Shape {
     incidences: Vec<Incidence>,
     asymmetry: f64,
     filled: f64,
-    /// Relative uncertainties of the totals from the inclinations and from the azimuths of the file's own grid, if
-    /// that is about the normal; otherwise empty.
+    /// Relative uncertainties of the totals from the distances and from the azimuths of the file's own cells, if
+    /// they were interpolated; otherwise empty.
     resampled: Vec<[f64; 2]>,
 }
 
@@ -84,7 +85,7 @@ impl Shape {
         let (grid, values) = on_specular_grid(part, &[channel])?;
         let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
         let shape = Self::of_extent(&grid, &values, fill, extent);
-        Some(shape.with_errors(resampling_errors(part, channel, &grid)))
+        Some(shape.resampled(&Resampling::new(part, channel, &grid)))
     }
 
     /// Shape of values on a specular-centred grid, in the grid's order.
@@ -120,9 +121,10 @@ impl Shape {
         }
     }
 
-    /// Adds the uncertainties of a grid's values that were interpolated ([`resampling_errors`]).
-    pub(crate) fn with_errors(self, resampled: Vec<[f64; 2]>) -> Self {
-        Self { resampled, ..self }
+    /// Adds what is known of a grid's values that were resampled.
+    pub(crate) fn resampled(self, resampling: &Resampling) -> Self {
+        let asymmetry = self.asymmetry.hypot(resampling.asymmetry);
+        Self { resampled: resampling.errors.clone(), asymmetry, ..self }
     }
 
     /// Inclinations of the light, degrees, ascending.

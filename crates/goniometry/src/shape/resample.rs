@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::GAUSSIAN;
 use super::horizon::without_dark_horizon;
+use super::rotated::{MeanOverLights, asymmetry, lights_deg, of_light};
 use super::spherical::Smooth;
 use crate::{
     Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, SphericalGrid, Symmetry,
@@ -13,7 +14,7 @@ use crate::{
 const INCIDENCES: u32 = 18;
 
 /// Returns channels of a part, given by their indices, on a specular-centred grid: its own grid, or azimuths
-/// every 10 deg and radial distances every 0.5 to 2 deg, for light from its first azimuth. Grids of
+/// every 10 deg and radial distances every 0.5 to 2 deg, with the means over azimuths of the light. Grids of
 /// inclinations are interpolated smoothly at their own incidences, and listed pairs that form no such grid with
 /// [`PairInterpolation`]; other geometries are read with [`MeasuredPart::evaluate`]. Unknown values are NaN, also zeros near the
 /// horizon that were not measured. Values have the shape `[channel][cell]`.
@@ -27,17 +28,20 @@ pub fn on_specular_grid(part: &MeasuredPart, channels: &[usize]) -> Option<(Spec
 fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Option<(SpecularGrid, Vec<f64>)> {
     let part = on_rings(part);
     let part = &*without_dark_horizon(&part);
+    let mean = MeanOverLights::new(part, channels);
+    let own: Vec<usize> = (0..channels.len()).collect();
+    let (part, channels) = mean.as_ref().map_or((part, channels), |mean| (&mean.part, &own));
     let known = || channels.iter().map(|channel| part.channel(*channel));
-    let (incidences_deg, light_deg) = match &part.geometry {
+    let (incidences_deg, lights) = match &part.geometry {
         Geometry::Specular(grid) => return Some((grid.clone(), known().flatten().copied().collect())),
         Geometry::Pairs(pairs) => {
             return scattered(pairs, &known().collect::<Vec<&[f64]>>(), incidences);
         }
         Geometry::Spherical(grid) => {
             let below = grid.theta_i_deg.iter().copied().filter(|theta| *theta < 90.0);
-            (below.collect(), *grid.phi_i_deg.first()?)
+            (below.collect(), vec![(*grid.phi_i_deg.first()?, 1.0)])
         }
-        _ => ((0..INCIDENCES).map(|k| 5.0 * f64::from(k)).collect::<Vec<_>>(), 180.0),
+        other => ((0..INCIDENCES).map(|k| 5.0 * f64::from(k)).collect::<Vec<_>>(), lights_deg(other)),
     };
     let mut grid = SpecularGrid {
         rotations_deg: vec![0.0],
@@ -46,27 +50,82 @@ fn resampled(part: &MeasuredPart, channels: &[usize], incidences: usize) -> Opti
         radials_deg: radials(),
         symmetry: Symmetry::None,
     };
-    let lobes = lobes(part, channels, &grid, light_deg);
+    let all = mean_lobes(part, channels, &grid, &lights);
+    let count = grid.incidences_deg.len();
+    let lobes: Vec<&[f64]> = all.chunks_exact(grid.azimuths_deg.len() * grid.radials_deg.len()).collect();
     // Incidences without any light were not measured.
-    let lit = |k: &usize| lobes.iter().any(|lobes| lobes[*k].iter().any(|value| *value > 0.0));
-    let retained: Vec<usize> = (0..grid.incidences_deg.len()).filter(lit).collect();
-    let values = lobes.iter().flat_map(|lobes| retained.iter().flat_map(|k| &lobes[*k])).copied().collect();
+    let lit =
+        |k: &usize| lobes.iter().skip(*k).step_by(count).any(|lobe| lobe.iter().any(|value| *value > 0.0));
+    let retained: Vec<usize> = (0..count).filter(lit).collect();
+    let values = (0..channels.len())
+        .flat_map(|channel| {
+            retained.iter().flat_map(|k| lobes[channel * count + k]).copied().collect::<Vec<_>>()
+        })
+        .collect();
     grid.incidences_deg = retained.iter().map(|k| grid.incidences_deg[*k]).collect();
     (!retained.is_empty()).then_some((grid, values))
 }
 
+/// What is known of a channel that was resampled.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Resampling {
+    /// Relative uncertainties of the totals of the incidences, from the distances and from the azimuths of the file's own
+    /// cells; empty for geometries that are not interpolated.
+    pub(crate) errors: Vec<[f64; 2]>,
+    /// Relative root mean square difference of azimuths of the light, over which the values were averaged.
+    pub(crate) asymmetry: f64,
+}
+
+impl Resampling {
+    /// Of a channel, and of the grid on which it was resampled.
+    pub(crate) fn new(part: &MeasuredPart, channel: usize, grid: &SpecularGrid) -> Self {
+        let part = on_rings(part);
+        let part = &*without_dark_horizon(&part);
+        if let Some(mean) = MeanOverLights::new(part, &[channel]) {
+            let mut errors = resampling_errors(&mean.part, 0, grid);
+            add_between(&mut errors, (part, channel), &mean.between, grid);
+            return Self { errors, asymmetry: mean.asymmetry };
+        }
+        let asymmetry = match &part.geometry {
+            Geometry::Specular(_) | Geometry::Pairs(_) => 0.0,
+            _ => asymmetry(part, channel),
+        };
+        Self { errors: resampling_errors(part, channel, grid), asymmetry }
+    }
+}
+
+/// Largest number of azimuths of the light from which the error of interpolated ones follows: each takes as long as the mean.
+const MOST_LIGHTS: usize = 4;
+
+/// Adds to the errors from azimuths those of the lights that were interpolated, given by their indices: the mean of some of them,
+/// times their fraction of all.
+fn add_between(
+    errors: &mut [[f64; 2]],
+    (part, channel): (&MeasuredPart, usize),
+    between: &[usize],
+    grid: &SpecularGrid,
+) {
+    let Geometry::Spherical(own) = &part.geometry else { return };
+    let count = between.len().min(MOST_LIGHTS);
+    let fraction = between.len() as f64 / own.phi_i_deg.len() as f64;
+    for k in 0..count {
+        let (one, values) = of_light(own, part.channel(channel), between[k * between.len() / count]);
+        let (channels, geometry) = (vec![part.channels[channel]], Geometry::Spherical(one));
+        let one = MeasuredPart { way: part.way, channels, geometry, values, tis: Vec::new() };
+        for (error, [_, by_azimuth]) in errors.iter_mut().zip(resampling_errors(&one, 0, grid)) {
+            error[1] = (error[1] + fraction * by_azimuth / count as f64).min(1.0);
+        }
+    }
+}
+
 /// Relative uncertainties of the totals of a channel from the inclinations and from the azimuths of a grid about the
-/// normal, for the incidences of the grid on which it was resampled; empty for other geometries.
+/// normal with one azimuth of the light, for the incidences of the grid on which it was resampled; empty for other geometries.
 ///
 /// They are the changes of the total when every other inclination or azimuth is omitted, once those next to the specular
 /// direction and once the others; the larger one counts. The specular direction itself is retained. For inclinations, a third
 /// of the change with a Gaussian lobe between the values is added if the first step halves f. For azimuths, the change with another stretch of azimuths
 /// counts if it is larger: lobes that are not round depend on it where their azimuths are too far apart.
-pub(crate) fn resampling_errors(part: &MeasuredPart, channel: usize, grid: &SpecularGrid) -> Vec<[f64; 2]> {
-    let part = on_rings(part);
-    let part = &*without_dark_horizon(&part);
-    let Geometry::Spherical(own) = &part.geometry else { return Vec::new() };
-    let Some(light_deg) = own.phi_i_deg.first().copied() else { return Vec::new() };
+fn resampling_errors(part: &MeasuredPart, channel: usize, grid: &SpecularGrid) -> Vec<[f64; 2]> {
     let values = part.channel(channel);
     let half = SpecularGrid {
         rotations_deg: vec![0.0],
@@ -75,6 +134,8 @@ pub(crate) fn resampling_errors(part: &MeasuredPart, channel: usize, grid: &Spec
         radials_deg: grid.radials_deg.clone(),
         symmetry: Symmetry::Plane,
     };
+    let Geometry::Spherical(own) = &part.geometry else { return Vec::new() };
+    let Some(light_deg) = own.phi_i_deg.first().copied() else { return Vec::new() };
     let of_incidence = |theta: &f64| {
         let Some(place) = own.theta_i_deg.iter().position(|own| own == theta) else { return [0.0; 2] };
         errors_of_incidence(own, values, (place, light_deg), &half)
@@ -144,7 +205,7 @@ fn errors_of_incidence(
 }
 
 /// Exponents of the stretch of azimuths ([`Smooth`]): that of the interpolation, and one for its error.
-const STRETCH: f64 = 0.25;
+pub(super) const STRETCH: f64 = 0.25;
 const OTHER_STRETCH: f64 = 0.5;
 
 /// Index of the smallest value, and whether that is 0 up to rounding.
@@ -245,8 +306,29 @@ pub(crate) fn first_lobes(part: &MeasuredPart, channels: &[usize]) -> Option<Vec
 /// which is unknown at the horizon.
 const WARPED_LAST_DEG: f64 = 89.0;
 
-/// Values of each channel at each incidence of the grid: `[channel][incidence]`, each `[azimuth][radial]`.
-fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg: f64) -> Vec<Vec<Vec<f64>>> {
+/// Means of [`lobes`] over azimuths of the light with weights.
+fn mean_lobes(
+    part: &MeasuredPart,
+    channels: &[usize],
+    grid: &SpecularGrid,
+    lights: &[(f64, f64)],
+) -> Vec<f64> {
+    if let [(only, _)] = lights {
+        return lobes(part, channels, grid, *only);
+    }
+    let mut means = vec![[0.0; 2]; grid.cells() * channels.len()];
+    for (light_deg, weight) in lights {
+        let lobes = lobes(part, channels, grid, *light_deg);
+        for ([sum, weights], value) in means.iter_mut().zip(lobes).filter(|(_, value)| value.is_finite()) {
+            *sum += weight * value;
+            *weights += weight;
+        }
+    }
+    means.iter().map(|[sum, weights]| sum / weights).collect()
+}
+
+/// Values of each channel at each incidence of the grid: `[channel][incidence][azimuth][radial]`, for light from an azimuth.
+fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg: f64) -> Vec<f64> {
     let last_deg = if let Geometry::Warped(_) = part.geometry { WARPED_LAST_DEG } else { 90.0 };
     // On the grid, light comes from azimuth 180 deg.
     let directions = |theta: f64| {
@@ -258,7 +340,7 @@ fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg
     };
     if let Geometry::Warped(warped) = &part.geometry {
         // The map of directions to cells takes most of the time, and all channels share it.
-        let mut all = vec![Vec::with_capacity(grid.incidences_deg.len()); channels.len()];
+        let mut all = vec![Vec::with_capacity(grid.cells()); channels.len()];
         for theta in &grid.incidences_deg {
             let light = Direction::new(*theta, light_deg);
             let weights: Vec<_> = directions(*theta).map(|to| warped.weights(light, to?)).collect();
@@ -266,10 +348,10 @@ fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg
                 let values = part.channel(*channel);
                 let f =
                     |cells: &[(usize, f64); 16]| cells.iter().map(|(k, weight)| weight * values[*k]).sum();
-                lobes.push(weights.iter().map(|cells| cells.as_ref().map_or(f64::NAN, f)).collect());
+                lobes.extend(weights.iter().map(|cells| cells.as_ref().map_or(f64::NAN, f)));
             }
         }
-        return all;
+        return all.concat();
     }
     let of_channel = |channel: &usize| {
         let smooth = match &part.geometry {
@@ -282,11 +364,11 @@ fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg
                 let plain = part.evaluate(*channel, light, to?)?;
                 Some(smooth.as_ref().map_or(plain, |smooth| smooth.value(k, to.unwrap_or_default())))
             };
-            directions(*theta).map(|to| value(to).unwrap_or(f64::NAN)).collect()
+            directions(*theta).map(|to| value(to).unwrap_or(f64::NAN)).collect::<Vec<_>>()
         };
-        grid.incidences_deg.iter().enumerate().map(lobe).collect()
+        grid.incidences_deg.iter().enumerate().flat_map(lobe).collect::<Vec<_>>()
     };
-    channels.iter().map(of_channel).collect()
+    channels.iter().flat_map(of_channel).collect()
 }
 
 /// Angles that differ by less than this are equal, degrees, because files round them.

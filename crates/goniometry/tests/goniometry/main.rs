@@ -6,4 +6,5 @@ mod about_the_normal;
 mod ends;
 mod listed;
 mod measured;
+mod rotations;
 mod scipy;
