@@ -100,8 +100,8 @@ impl Geometry {
     /// `None` where nothing was measured.
     ///
     /// This is the simplest interpolation, not a smooth one: linear between the angles of a grid (about the
-    /// specular direction for specular-centred grids), constant in patches and in cells of half angles and of
-    /// trees, the nearest of listed pairs (in time proportional to their number), and the authors' definition
+    /// specular direction for specular-centred grids) and between the cells of half angles, constant in patches and in
+    /// cells of trees, the nearest of listed pairs (in time proportional to their number), and the authors' definition
     /// on a warped grid. Nothing is extrapolated. A grid with one azimuth of the light is treated as an
     /// isotropic sample.
     pub fn evaluate(&self, values: &[f64], i: Direction, o: Direction) -> Option<f64> {
@@ -117,7 +117,7 @@ impl Geometry {
             Self::Patches { incoming, outgoing } => {
                 at(patch_of(incoming, i.specular())? * patch_count(outgoing) + patch_of(outgoing, o)?)
             }
-            Self::HalfAngle(grid) => at(grid.cell(i, o)?),
+            Self::HalfAngle(grid) => grid.evaluate(values, [i, o], [1; 3]),
             Self::Tree(tree) => at(tree.cell(i, o)?),
             Self::Warped(grid) => grid.evaluate(values, i, o),
         };

@@ -7,7 +7,8 @@ use super::horizon::without_dark_horizon;
 use super::rotated::{MeanOverLights, asymmetry, lights_deg, of_light};
 use super::spherical::Smooth;
 use crate::{
-    Direction, Fill, Geometry, MeasuredPart, PairInterpolation, Shape, SpecularGrid, SphericalGrid, Symmetry,
+    Direction, Fill, Geometry, HalfAngleGrid, MeasuredPart, PairInterpolation, Shape, SpecularGrid,
+    SphericalGrid, Symmetry,
 };
 
 /// Number of incidences for geometries without incidences of their own: 0 to 85 deg in steps of 5.
@@ -119,9 +120,10 @@ fn add_between(
 }
 
 /// Relative uncertainties of the totals of a channel from the inclinations and from the azimuths of a grid about the
-/// normal with one azimuth of the light, for the incidences of the grid on which it was resampled; empty for other geometries.
+/// normal with one azimuth of the light, or from half angles and the azimuths about them, for the incidences of the grid on which it was
+/// resampled; empty for other geometries.
 ///
-/// They are the changes of the total when every other inclination or azimuth is omitted, once those next to the specular
+/// On a grid about the normal, they are the changes of the total when every other inclination or azimuth is omitted, once those next to the specular
 /// direction and once the others; the larger one counts. The specular direction itself is retained. For inclinations, a third
 /// of the change with a Gaussian lobe between the values is added if the first step halves f. For azimuths, the change with another stretch of azimuths
 /// counts if it is larger: lobes that are not round depend on it where their azimuths are too far apart.
@@ -134,13 +136,40 @@ fn resampling_errors(part: &MeasuredPart, channel: usize, grid: &SpecularGrid) -
         radials_deg: grid.radials_deg.clone(),
         symmetry: Symmetry::Plane,
     };
-    let Geometry::Spherical(own) = &part.geometry else { return Vec::new() };
+    let own = match &part.geometry {
+        Geometry::Spherical(own) => own,
+        Geometry::HalfAngle(own) => {
+            return grid
+                .incidences_deg
+                .iter()
+                .map(|theta| errors_of_half_angles(*own, values, *theta, &half))
+                .collect();
+        }
+        _ => return Vec::new(),
+    };
     let Some(light_deg) = own.phi_i_deg.first().copied() else { return Vec::new() };
     let of_incidence = |theta: &f64| {
         let Some(place) = own.theta_i_deg.iter().position(|own| own == theta) else { return [0.0; 2] };
         errors_of_incidence(own, values, (place, light_deg), &half)
     };
     grid.incidences_deg.iter().map(of_incidence).collect()
+}
+
+/// Uncertainties of one incidence from cells of half angles: a third of the change of the total when every other theta_h and
+/// theta_d, or every other phi_d is omitted. Linear interpolation is of second order: half as many cells have four times the error.
+fn errors_of_half_angles(
+    own: HalfAngleGrid,
+    values: &[f64],
+    theta_deg: f64,
+    grid: &SpecularGrid,
+) -> [f64; 2] {
+    let light = Direction::new(theta_deg, 180.0);
+    let total = |every: [usize; 3]| {
+        rough_total(grid, theta_deg, |to| own.evaluate(values, [light, to], every).unwrap_or(0.0))
+    };
+    let whole = total([1; 3]);
+    let change = |every: [usize; 3]| ((total(every) - whole).abs() / (3.0 * whole)).min(1.0);
+    if whole > 0.0 { [change([2, 2, 1]), change([1, 1, 2])] } else { [0.0; 2] }
 }
 
 /// Uncertainties of one incidence, given by its index and the azimuth of the light; see [`resampling_errors`].

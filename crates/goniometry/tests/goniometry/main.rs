@@ -6,5 +6,6 @@ mod about_the_normal;
 mod ends;
 mod listed;
 mod measured;
+mod merl;
 mod rotations;
 mod scipy;
