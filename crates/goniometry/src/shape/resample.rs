@@ -289,13 +289,22 @@ fn scattered(
     let between = (0..INCIDENCES).map(|k| 5.0 * f64::from(k)).filter(|theta| *theta < last_deg);
     incidences_deg.extend(between.filter(|theta| own.iter().all(|own| (own - theta).abs() >= 2.0)));
     incidences_deg.sort_by(f64::total_cmp);
-    let grid = SpecularGrid {
+    let of_incidences = |incidences_deg: Vec<f64>| SpecularGrid {
         rotations_deg: vec![0.0],
-        incidences_deg: incidences_deg.into_iter().filter(|theta| *theta < 90.0).take(incidences).collect(),
+        incidences_deg,
         azimuths_deg: (0..=18).map(|k| 10.0 * f64::from(k)).collect(),
         radials_deg: radials(),
         symmetry: Symmetry::Plane,
     };
+    // Incidences below the first one of the list are not known from its pairs.
+    let is_known = |theta: &f64| {
+        let one = of_incidences(vec![*theta]);
+        let is_value =
+            |[light, to]: [Direction; 2]| interpolations.iter().any(|of| of.value(light, to).is_some());
+        (0..one.cells()).any(|cell| one.directions(cell).is_some_and(is_value))
+    };
+    let below = incidences_deg.into_iter().filter(|theta| *theta < 90.0);
+    let grid = of_incidences(below.filter(is_known).take(incidences).collect());
     let value = |of: &PairInterpolation, cell: usize| {
         let [light, to] = grid.directions(cell)?;
         of.value(light, to)

@@ -170,6 +170,23 @@ fn kernels_of_lists_have_the_totals_of_the_samples() {
     assert!((found / truth - 1.0).abs() < 0.03, "{found} {truth}");
 }
 
+/// A list of a single incidence, as of a sphere of d/8 geometry: its lobe holds for smaller incidences, too, at which nothing is known.
+#[test]
+fn lists_begin_at_their_first_incidence() {
+    let hold = Preparation { extrapolate: Some(1.0), ..Preparation::default() };
+    let viewers = (0..16).flat_map(|k| {
+        (0..12).map(move |turn| Direction::new(5.0 * f64::from(k) + 2.0, 30.0 * f64::from(turn)))
+    });
+    let pairs: Vec<[Direction; 2]> = viewers.map(|to| [Direction::new(8.0, 0.0), to]).collect();
+    let one = part(pairs.clone(), vec![0.3; pairs.len()]);
+    let (constant, _) = kernel(&one, 0, &hold, &[]).unwrap();
+    for theta_deg in [0.0_f64, 3.0, 8.0] {
+        let total = constant.albedo_at(theta_deg.to_radians().sin());
+        assert!((total / (0.3 * PI) - 1.0).abs() < 1e-3, "{theta_deg}: {total}");
+    }
+    assert!(Audit::of(&one, 0).unwrap().incidences.iter().all(|incidence| incidence.integral > 0.0));
+}
+
 /// Reciprocity is that of pairs that were listed in both directions: a sample is not blamed for what was not measured, and one
 /// that is not reciprocal is found.
 #[test]

@@ -53,11 +53,11 @@ impl Part {
         Ok(spectrum?.map(|v| v * self.weight))
     }
 
-    /// Means over 1 nm; of smooth spectra and of the CIE's illuminants, which are summed over 1 nm by
-    /// definition, the values at integer wavelengths.
+    /// Means over 1 nm; the values at integer wavelengths of smooth spectra, and of the CIE's illuminants and tables with points there
+    /// alone, which are summed over 1 nm by definition.
     fn means(&self, own: &Grid) -> Result<Spectrum, SpectraError> {
         match &self.source {
-            Source::Table(table) => Ok(table.means(own)?.map(|v| v * self.weight)),
+            Source::Table(table) if !is_at_integers(table) => Ok(table.means(own)?.map(|v| v * self.weight)),
             Source::Led { .. } => {
                 let finer = Grid::new(own.start_nm(), own.stop_nm(), 1.0 / LED_PER_NM as f64)?;
                 Ok(sampling::means(&self.on(&finer)?, LED_PER_NM).into())
@@ -70,6 +70,10 @@ impl Part {
 fn all_on(parts: &[Part], grid: &Grid) -> Result<Spectrum, SpectraError> {
     let parts: Result<_, _> = parts.iter().map(|part| part.on(grid)).collect();
     parts.map(|parts| sum(grid, parts))
+}
+
+fn is_at_integers(table: &Tabulated) -> bool {
+    table.wavelengths_nm().iter().all(|nm| nm.fract() == 0.0)
 }
 
 impl Resolver<'_> {

@@ -91,7 +91,7 @@ fn means_over_1_nm_are_integrals_of_the_table() {
         let (k, along) = (((nm - 380.0) / 2.5) as u32, (nm - 380.0) / 2.5 % 1.0);
         (1.0 - along) * value(k) + along * value(k + 1)
     };
-    for (nm, mean) in lines.grid.wavelengths_nm().into_iter().zip(lines.means.iter()).skip(1).step_by(17) {
+    for (nm, mean) in lines.grid.wavelengths_nm().into_iter().zip(lines.values.iter()).skip(1).step_by(17) {
         let parts = (0..2000).map(|part| (f64::from(part) + 0.5) / 1000.0 - 1.0);
         let wanted = parts.map(|off| 1e-3 * (1.0 - off.abs()) * at(nm + off)).sum::<f64>();
         assert!((mean / wanted - 1.0).abs() < 1e-6, "{nm}: {mean} {wanted}");
