@@ -73,6 +73,9 @@ def in_tables(name: str) -> str:
 
 def description(name: str) -> str | None:
     """Returns the words of a number of ``result.json`` in its schema, or of its error; None if there is no such number."""
+    begin, _, component = name.rpartition("_")
+    if begin == "interpolation_error" and component in ("X", "Y", "Z"):
+        return f"Interpolation error of {component}"
     kind = next((kind for kind in _ERRORS if name.endswith(f"_{kind}")), "")
     words = _descriptions().get(name.removesuffix(f"_{kind}").removeprefix("spectra_").removeprefix("by_light_"))
     return f"{kind.replace('_', ' ').capitalize()} of {words}" if kind and words else words
