@@ -26,7 +26,7 @@ use super::{Control, Run, adding_seconds};
 use crate::DisplayError;
 use crate::meter::Meter;
 use crate::scene::{Method, Pixel, Sampler, Scene, Stop, Strategy};
-use crate::setup::Setup;
+use crate::setup::{Setup, Towards};
 
 /// Largest optical thickness of a slab for the Monte Carlo solver: the number of scattering events of a path
 /// increases with it, and beyond this value a run takes hours.
@@ -67,7 +67,7 @@ pub struct Forecast {
 /// # Errors
 /// If the scene is invalid, or the pilot run was stopped.
 pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    let setup = setup_of(scene, control)?;
     let meter = Meter::new(&setup);
     estimated(&Run::new(&setup, control, &meter), |_| LONGEST_PILOT_S)
 }
@@ -78,7 +78,7 @@ pub fn forecast(scene: &Scene, control: &Control<'_>) -> Result<Forecast, Displa
 /// # Errors
 /// If the scene is invalid, or its preparation was stopped.
 pub fn expected_seconds(scene: &Scene, control: &Control<'_>) -> Result<(Method, f64), DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    let setup = setup_of(scene, control)?;
     let by_paths = |paths: u64| {
         let views = setup.views.len() as f64;
         (Method::MonteCarlo, views * paths as f64 * path_seconds(&setup))
@@ -95,6 +95,12 @@ pub fn expected_seconds(scene: &Scene, control: &Control<'_>) -> Result<(Method,
         }
         _ => Ok(by_paths(FIRST_PATHS)),
     }
+}
+
+/// Prepares a scene, of which a run prepares no more: all directions of a crystal take longer than the run.
+fn setup_of(scene: &Scene, control: &Control<'_>) -> Result<Setup, DisplayError> {
+    Setup::has_no_filter(scene)?;
+    Setup::towards(scene, Towards::Views, control)
 }
 
 /// Returns whether an error of adding is none of Monte Carlo.

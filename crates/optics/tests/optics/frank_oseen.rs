@@ -124,12 +124,17 @@ fn the_energy_is_that_of_a_capacitor_below_the_threshold_and_less_above() {
     let capacitor = |volts: f64| -0.5 * EPSILON_0 * 5.2 * volts * volts;
     assert!((cell(NEMATIC, 0.0, 0.0, 0.5).energy_pn / capacitor(0.5) - 1.0).abs() < 1e-9);
     assert!(cell(NEMATIC, 0.0, 0.0, 2.0).energy_pn < capacitor(2.0));
-    // The twist of an undriven cell: K22 twist^2/2, but for chords in place of arcs, a third of (90 deg/400)^2.
-    let expected = 0.5 * 6.5 * FRAC_PI_2 * FRAC_PI_2;
-    let found = cell(NEMATIC, 0.0, 90.0, 0.0).energy_pn;
-    assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
-    let found = doped(NEMATIC, 0.0, [90.0, 45.0], 0.0).energy_pn;
-    assert!((found / (0.25 * expected) - 1.0).abs() < 4e-5, "{found} {expected}");
+    // The twist of an undriven cell: (twist - natural twist)^2 K22/2, up to chords in place of arcs, whose sum over equal turns is known, too.
+    let [twist, bend] = [6.5, 17.0];
+    for natural in [0.0, 0.5 * FRAC_PI_2] {
+        let found = doped(NEMATIC, 0.0, [90.0, natural.to_degrees()], 0.0).energy_pn;
+        let (count, turn) = (INTERVALS as f64, FRAC_PI_2 / INTERVALS as f64);
+        let chords = twist * turn.sin().powi(2) + bend * (1.0 - turn.cos()).powi(2);
+        let chords = 0.5 * count * count * chords + twist * natural * (0.5 * natural - count * turn.sin());
+        assert!((found / chords - 1.0).abs() < 1e-9, "{found} {chords}");
+        let arcs = 0.5 * twist * (FRAC_PI_2 - natural).powi(2);
+        assert!((found / arcs - 1.0).abs() < 4e-5, "{found} {arcs}");
+    }
 }
 
 /// A hybrid cell with equal constants turns evenly; a cell whose tilt at the bottom is above 90 deg turns through the normal.

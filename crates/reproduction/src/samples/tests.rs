@@ -98,14 +98,14 @@ fn page_shows_each_sample() {
 }
 
 /// The published model of a white panel returns more light than the certificate of the panel: a fault of the model, whose
-/// integral over the hemisphere by a separate program is 1.0358. Its only incidence is 8 deg: by reciprocity, half of what a view at
-/// 8 deg sees is read from lobes of other incidences, which are those of 8 deg about other directions, and 1 % too bright.
+/// integral over the hemisphere is 1.0358. Its only incidence is 8 deg, which the other half of the reciprocal readings holds at all
+/// others, with an integral of 1.0573: the mean is 1.0466 (both by a separate program).
 #[test]
 fn published_model_of_spectralon_is_not_normalised() {
     let panel = predicted("spectralon");
     let y = &panel.cases[0].comparison.metrics[0];
     assert_eq!(panel.verdict, Some(Verdict::Disagrees));
-    assert!((y.simulated - 1.0358).abs() < 0.012 && (y.measured - 0.9898).abs() < 1e-9, "{}", y.simulated);
+    assert!((y.simulated - 1.0466).abs() < 0.003 && (y.measured - 0.9898).abs() < 1e-9, "{}", y.simulated);
 }
 
 /// A fifth of the light of a thin suspension between slides leaves beside the port.
