@@ -128,7 +128,7 @@ const OTHERS: &[(&str, &str, &str)] = &[
 ];
 
 /// Endings of names, with the units that they state.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 17] = [
     ("_cd_m2", "cd/m²"),
     ("_per_mm", "1/mm"),
     ("_ev", "eV"),
@@ -143,6 +143,7 @@ const UNITS: [(&str, &str); 16] = [
     ("_lm", "lm"),
     ("_K", "K"),
     ("_years", "years"),
+    ("_pN", "pN"),
     ("_percent", "%"),
     ("_ppi", "ppi"),
 ];
@@ -150,6 +151,10 @@ const UNITS: [(&str, &str); 16] = [
 /// Splits a name into its words and the unit that its ending states: `("thickness", "nm")` for
 /// `thickness_nm`.
 pub fn split_unit(name: &str) -> (&str, &'static str) {
+    // The quantity is called by its unit.
+    if name == "volts" {
+        return (name, "V");
+    }
     let found = UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit)));
     found.filter(|(words, _)| !words.is_empty()).unwrap_or((name, ""))
 }

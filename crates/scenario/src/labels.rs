@@ -115,7 +115,7 @@ fn key_label(path: &str) -> Option<Label> {
         let end = keys.len() - 1;
         (end, of_any_table(keys[end]).unwrap_or_else(|| label_from_name(keys[end])))
     });
-    let (label, names) = with_names(label, keys[at], &keys[at + 1..]);
+    let (label, names) = with_names(label, &keys[..=at], &keys[at + 1..]);
     let named = names.iter().rev().fold(label, |label, name| label.of(name));
     let is_material = keys[at] == "substrate" && keys.len() > at + 1;
     let part = part_of(&keys[..at + usize::from(is_material)]);
@@ -124,8 +124,12 @@ fn key_label(path: &str) -> Option<Label> {
 
 /// Returns the label of a key with what follows it: another key (`gap_nm` of a state, `n` of a material)
 /// replaces the quantity; the rest are names.
-fn with_names(label: Label, key: &str, rest: &[&str]) -> (Label, Vec<String>) {
+fn with_names(label: Label, keys: &[&str], rest: &[&str]) -> (Label, Vec<String>) {
     let mut label = label;
+    let (key, table) = (keys.last().copied().unwrap_or_default(), words(keys));
+    let of_table = |name: &str| {
+        Table::all().iter().filter(|known| known.path == table).find_map(|known| known.label(name))
+    };
     let mut names: Vec<String> = Vec::new();
     let is_material = MATERIALS.contains(&key);
     for (at, &name) in rest.iter().enumerate() {
@@ -138,7 +142,7 @@ fn with_names(label: Label, key: &str, rest: &[&str]) -> (Label, Vec<String>) {
             continue;
         }
         let is_inner = matches!(name, "n" | "k" | "n_scale" | "k_scale") || !split_unit(name).1.is_empty();
-        match of_any_table(name).filter(|_| is_inner) {
+        match of_table(name).or_else(|| of_any_table(name)).filter(|_| is_inner) {
             Some(inner) => label = inner,
             None if name.parse::<usize>().is_ok() => {}
             None => names.push(name.to_owned()),
@@ -246,6 +250,10 @@ mod tests {
             ("display.pixel.fill_factor", "Fill factor"),
             ("display.pixel.reflectance.white", "Reflectance of white"),
             ("display.pixel.states.teal.green.gap_nm", "Gap of green of teal (nm)"),
+            ("display.pixel.stack.2.states.white.volts", "Voltage of white (V)"),
+            ("display.pixel.stack.2.states.white.tilt_deg", "Tilt of white (deg)"),
+            ("display.pixel.stack.2.pitch_um", "Natural pitch (µm)"),
+            ("display.pixel.stack.2.K22_pN", "K22 (pN)"),
             ("display.diffuser.haze", "Haze"),
             ("display.diffuser.total_transmittance", "Total transmittance"),
             ("display.glass.thickness_mm", "Thickness of the glass (mm)"),

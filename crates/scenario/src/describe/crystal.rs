@@ -170,8 +170,8 @@ forms! {
 table! {
     /// The director at a voltage, or with the same tilt at all depths.
     UniformDirector {
-        /// Voltage, rms: the director minimises the elastic and electric energy between surfaces that hold it
-        /// at the pretilt.
+        /// Voltage, rms: the director is the one to which a voltage that rises from 0 turns it, between surfaces
+        /// that hold it at the pretilt.
         volts as "Voltage": Option<Volts>,
         /// Tilt out of the panel. Default: `pretilt_deg`.
         tilt_deg: Option<Tilt>,
