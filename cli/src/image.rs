@@ -17,7 +17,7 @@ use papilio_imaging::text::{Font, Setting};
 use papilio_scenario::{ImageRequest, Resolved};
 use serde::Serialize;
 
-use crate::arguments::{ImageCommand, RelativeTo};
+use crate::arguments::ImageCommand;
 use crate::frame::{self, Frame, FrameRequest};
 use crate::numbers::measured;
 use crate::palette::room;
@@ -73,8 +73,7 @@ impl<'a> Request<'a> {
             self.resolved.image.as_ref().ok_or(DisplayError::NoWhite { what: "a picture" })?;
         let settings = ImageSettings { losses: !self.rooms.is_empty(), ..settings.clone() };
         let white = match self.arguments.relative_to {
-            Some(RelativeTo::White) => ScreenWhite::Perfect,
-            Some(RelativeTo::Display) => ScreenWhite::Display,
+            Some(white) => white.into(),
             None if self.arguments.on.is_some() => ScreenWhite::Display,
             None => ScreenWhite::Perfect,
         };

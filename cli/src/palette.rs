@@ -3,13 +3,13 @@
 
 use std::path::Path;
 
-use papilio_display::LightSummary;
-use papilio_display::palette::{PaletteColour, PaletteResult, bytes};
-use papilio_formats::{TitledFile, palette_files, write_file};
+use papilio_display::image::ScreenWhite;
+use papilio_display::palette::PaletteResult;
+use papilio_formats::{TitledFile, files_of_palette, light_and_view, write_file};
 use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
 use serde::Serialize;
 
-use crate::arguments::{PaletteCommand, RelativeTo};
+use crate::arguments::PaletteCommand;
 use crate::numbers::measured;
 use crate::spatial::{SpatialOutput, show};
 use crate::{Failure, report};
@@ -26,7 +26,7 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
     let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
     show(command, &resolved, |control| {
         let result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
-        Ok(PaletteOutput { result, relative_to: arguments.relative_to })
+        Ok(PaletteOutput { result, white: arguments.relative_to.into() })
     })
 }
 
@@ -74,17 +74,7 @@ pub(crate) fn room(
 /// Colours, and what is white in files for other programs.
 struct PaletteOutput {
     result: PaletteResult,
-    relative_to: RelativeTo,
-}
-
-impl PaletteOutput {
-    /// sRGB of a colour for other programs.
-    fn srgb(&self, colour: &PaletteColour) -> Option<[f64; 3]> {
-        match self.relative_to {
-            RelativeTo::White => colour.srgb,
-            RelativeTo::Display => colour.srgb_relative,
-        }
-    }
+    white: ScreenWhite,
 }
 
 impl SpatialOutput for PaletteOutput {
@@ -105,24 +95,16 @@ impl SpatialOutput for PaletteOutput {
         format!(
             "{}\n\ncolours {}\n{}{}",
             report::plain(title),
-            self.light_and_view(),
+            light_and_view(&self.result),
             report::table(&self.rows()),
             self.rows_of_rooms(),
         )
     }
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
-        let colours = self.result.palette.colours.iter();
-        let colours: Vec<_> =
-            colours.filter_map(|one| Some((one.state.as_str(), bytes(self.srgb(one)?)))).collect();
         let name = folder.file_name().map_or("papilio".into(), |name| name.to_string_lossy());
-        let white = match self.relative_to {
-            RelativeTo::White => "a perfect white",
-            RelativeTo::Display => "the white of the display",
-        };
-        let title = format!("{name}, {}, relative to {white}", self.light_and_view());
         let mut names = Vec::new();
-        for (name, content) in palette_files(&title, &colours) {
+        for (name, content) in files_of_palette(&name, &self.result, self.white) {
             write_file(&folder.join(name), |out| out.write_all(&content))?;
             names.push(name.to_owned());
         }
@@ -139,15 +121,6 @@ impl SpatialOutput for PaletteOutput {
 }
 
 impl PaletteOutput {
-    /// Such as `seen from 0 deg, in light of 150 lx, 2734 K`.
-    fn light_and_view(&self) -> String {
-        let LightSummary { illuminance_lx, colour_temperature_k, .. } = self.result.light;
-        let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
-        let (theta, phi) = (self.result.view.theta_deg, self.result.view.phi_deg);
-        let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
-        format!("seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}")
-    }
-
     /// A line for each room whose colours are those of an earlier one: presets of rooms have the same
     /// spectrum.
     fn equal_rooms(&self) -> String {

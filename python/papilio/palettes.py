@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _messages, _papilio
+from ._arguments import one_of
 from ._storing import optional
 from ._tables import long_table
 from .errors import ArgumentError
@@ -53,8 +55,16 @@ class Palette(_Written):
 
     _FILE = "palette.json"
 
-    def __init__(self, text: str, figures: Iterable[tuple[str, str]], title: str, warned: list[str], notes: list[str]) -> None:
-        super().__init__(text, {}, figures, title, warned, notes)
+    def __init__(
+        self,
+        text: str,
+        figures: Iterable[tuple[str, str]],
+        title: str,
+        warned: list[str],
+        notes: list[str],
+        tables: Iterable[tuple[str, bytes]],
+    ) -> None:
+        super().__init__(text, {}, figures, title, warned, notes, tables)
         colours = self.data["colours"]
         undefined = [float("nan")] * 3
         arrays = {name: np.array([colour[name] for colour in colours], float) for name in _NUMBERS}
@@ -124,6 +134,7 @@ def palette(
     scenario: Scenario | str | PathLike[str],
     *,
     rooms: Iterable[str] = (),
+    relative_to: Literal["white", "display"] = "white",
     set: Mapping[str, Any] | None = None,
     threads: int | None = None,
     progress: Progress | bool | None = None,
@@ -133,6 +144,7 @@ def palette(
     Args:
         scenario: a `Scenario`, or the path of a scenario file, with one view.
         rooms: presets of the light, or CIE illuminants that replace ``lighting.spectrum``, in which the colours are computed, too.
+        relative_to: what is white in the files for other programs that ``save`` writes: a perfect white in the light, or the white of the ``"display"``.
         set: values to set in the scenario first, ``{key: value}`` with keys such as "display.pixel.file".
         threads: number of threads; None: one for each processor.
         progress: function that is called a few times a second, or True for a line on the terminal.
@@ -153,6 +165,7 @@ def palette(
         >>> inks.states[:2], inks["srgb"].shape, bool((inks.delta_e_2000("D65") < 10).all())
         (['black', 'white'], (6, 3), True)
     """
+    one_of("relative_to", relative_to, ("white", "display"))
     if isinstance(rooms, str):
         raise ArgumentError(f"rooms: it is the text {rooms!r} (expected a list of texts)")
     changed = read(scenario, set)
@@ -168,6 +181,7 @@ def palette(
     with reporting(progress, "views") as tell:
         core = _papilio.Palette(scene, there, changed.title, checked_threads(threads), tell)
     warned = _messages.merged(scene.warnings, core.warnings())
-    found = Palette(core.json(), core.figures(changed.title), changed.title, warned, scene.notes)
+    tables = core.tables(Path(changed.name).stem, relative_to == "display")
+    found = Palette(core.json(), core.figures(changed.title), changed.title, warned, scene.notes, tables)
     _messages.warn(found.warnings)
     return found

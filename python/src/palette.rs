@@ -1,11 +1,13 @@
 //! The palette of a display: the content of the files of `papilio palette`.
 
+use papilio_display::image::ScreenWhite;
 use papilio_display::palette::{PaletteResult, palette};
-use papilio_formats::TitledFile;
+use papilio_formats::{TitledFile, files_of_palette};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::scenario::Resolved;
-use crate::spatial::text;
+use crate::spatial::{Tables, text};
 use crate::watch::computed;
 
 exports! { classes Palette; }
@@ -51,6 +53,13 @@ impl Palette {
 
     fn figures(&self, py: Python<'_>, title: &str) -> Vec<(String, String)> {
         py.detach(|| papilio_figures::of_palette(&self.of, title))
+    }
+
+    /// The files for other programs.
+    fn tables<'py>(&self, py: Python<'py>, name: &str, relative_to_display: bool) -> Tables<'py> {
+        let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
+        let files = files_of_palette(name, &self.of, white).into_iter();
+        files.map(|(name, content)| (name.to_owned(), PyBytes::new(py, &content))).collect()
     }
 
     fn warnings(&self) -> Vec<String> {

@@ -22,10 +22,19 @@ def test_palette_is_that_of_the_program(scenarios: Path, program: Path) -> None:
     assert copy.copy(found).to_json() == pickle.loads(pickle.dumps(found)).to_json() == found.to_json()
 
 
+def test_files_are_those_of_the_program(scenarios: Path, program: Path, tmp_path: Path) -> None:
+    file, theirs = scenarios / "six-ink.toml", tmp_path / "six-ink"
+    subprocess.run([program, "palette", str(file), "--relative-to", "display", "--out", str(theirs)], check=True)
+    ours = papilio.palette(file, relative_to="display").save(tmp_path / "ours")
+    assert {path.name: path.read_bytes() for path in ours} == {path.name: path.read_bytes() for path in theirs.iterdir()}
+
+
 def test_mistakes_are_named(scenarios: Path) -> None:
     file = scenarios / "six-ink.toml"
     with pytest.raises(papilio.ArgumentError, match="rooms: it is the text 'office'"):
         papilio.palette(file, rooms="office")
+    with pytest.raises(papilio.ArgumentError, match="relative_to"):
+        papilio.palette(file, relative_to="paper")  # type: ignore[arg-type]
     with pytest.raises(papilio.ScenarioError, match="Offce"):
         papilio.palette(file, rooms=["Offce"])
     with pytest.raises(papilio.ScenarioError, match="one view"):

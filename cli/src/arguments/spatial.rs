@@ -2,7 +2,7 @@
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use papilio_display::image::ScreenSpace;
+use papilio_display::image::{ScreenSpace, ScreenWhite};
 use papilio_scenario::{ExampleDisplay, preset_names};
 
 use super::{FrameArguments, ScenarioArguments, Solver, Workers, one_of, seed};
@@ -103,6 +103,15 @@ pub(crate) enum RelativeTo {
     White,
     /// The white of the display
     Display,
+}
+
+impl From<RelativeTo> for ScreenWhite {
+    fn from(white: RelativeTo) -> Self {
+        match white {
+            RelativeTo::White => Self::Perfect,
+            RelativeTo::Display => Self::Display,
+        }
+    }
 }
 
 /// Colour spaces of a picture for a screen.

@@ -156,7 +156,9 @@ pub use light::{
 pub use measured::read_measurement;
 pub use measured_panel::read_measured_panel;
 pub use mtf::{MtfFile, mtf_schema, write_kernel_npy, write_mtf_csv, write_spread_csv};
-pub use palette::{PaletteTable, device_colour, palette_files, read_palette};
+pub use palette::{
+    PaletteTable, device_colour, files_of_palette, light_and_view, palette_files, read_palette,
+};
 pub use papilio_diagnostics::{Diagnostic, Place, Spot, Warned};
 pub use picture::{
     LARGEST_PICTURE_FILE, MOST_PICTURE_PIXELS, RgbSpace, SourcePicture, Transfer, picture_format,

@@ -72,7 +72,11 @@ pub(crate) fn of_path(diagnostic: Diagnostic) -> Mistake {
 
 /// A key that the table does not have.
 pub(crate) fn unknown_key(key: &str, known: &[&str]) -> Mistake {
-    let hint = suggestion(key, known.iter().copied(), "keys");
+    let hint = if key.contains(['"', '\'']) {
+        "the keys of a path are written without quotes, as in display.pixel.film.1.thickness_nm".to_owned()
+    } else {
+        suggestion(key, known.iter().copied(), "keys")
+    };
     of_path(Diagnostic::new(format!("there is no key `{key}` here")).hint(hint))
 }
 

@@ -11,11 +11,43 @@
 
 use std::fmt::Write;
 
-use papilio_display::palette::device_colour;
+use papilio_display::LightSummary;
+use papilio_display::image::ScreenWhite;
+use papilio_display::palette::{PaletteResult, bytes, device_colour};
 use serde_json::json;
 
 /// Colours of an `.act` file.
 const ACT_COLOURS: usize = 256;
+
+/// Returns names and contents of all files with the colours of a display; their title has this name, the view, the light and what is white.
+pub fn files_of_palette(
+    name: &str,
+    result: &PaletteResult,
+    white: ScreenWhite,
+) -> Vec<(&'static str, Vec<u8>)> {
+    let (of, colours) = (light_and_view(result), &result.palette.colours);
+    let (title, srgb): (String, Vec<_>) = match white {
+        ScreenWhite::Perfect => (
+            format!("{name}, {of}, relative to a perfect white"),
+            colours.iter().map(|one| one.srgb).collect(),
+        ),
+        ScreenWhite::Display => (
+            format!("{name}, {of}, relative to the white of the display"),
+            colours.iter().map(|one| one.srgb_relative).collect(),
+        ),
+    };
+    let shown = colours.iter().zip(srgb).filter_map(|(one, srgb)| Some((one.state.as_str(), bytes(srgb?))));
+    palette_files(&title, &shown.collect::<Vec<_>>())
+}
+
+/// Returns such as `seen from 0 deg, in light of 150 lx, 2734 K`.
+pub fn light_and_view(result: &PaletteResult) -> String {
+    let LightSummary { illuminance_lx, colour_temperature_k, .. } = result.light;
+    let temperature = colour_temperature_k.map_or(String::new(), |kelvin| format!(", {kelvin:.0} K"));
+    let (theta, phi) = (result.view.theta_deg, result.view.phi_deg);
+    let azimuth = if phi == 0.0 { String::new() } else { format!(", azimuth {phi} deg") };
+    format!("seen from {theta} deg{azimuth}, in light of {illuminance_lx} lx{temperature}")
+}
 
 /// Returns names and contents of all files with the colours `(state, bytes)`.
 pub fn palette_files(title: &str, colours: &[(&str, [u8; 3])]) -> Vec<(&'static str, Vec<u8>)> {
