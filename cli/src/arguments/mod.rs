@@ -16,9 +16,7 @@ use papilio_scenario::ExampleDisplay;
 pub(crate) use self::brdf::{ALL_STATES, Brdf, BrdfFormat};
 pub(crate) use self::diffuser::{Calibrate, Convert, Diffuser, FitArguments, Inspect, Measure, Steps};
 pub(crate) use self::frame::{FrameArguments, FrameForm, Packed};
-pub(crate) use self::spatial::{
-    Gonio, ImageCommand, PaletteCommand, RelativeTo, SolvedSpatially, SpatialCommand,
-};
+pub(crate) use self::spatial::{Gonio, ImageCommand, PaletteCommand, SolvedSpatially, SpatialCommand};
 pub(crate) use self::studies::{
     FitCommand, Optimize, Sweep, SweepCommand, SweepMerge, SweepOutputs, SweepRun, Tolerance,
 };

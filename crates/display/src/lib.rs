@@ -50,6 +50,7 @@
 //!         angle_medium: AngleMedium::Air,
 //!         seed: 0,
 //!     },
+//!     unresolved: vec![],
 //! };
 //! let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
 //! let result = run(&scene, &control)?;

@@ -44,6 +44,9 @@ pub struct Scene {
     pub metrics: Metrics,
     /// Solver and accuracy.
     pub solver: Solver,
+    /// Errors of X, Y and Z of each state, relative to a perfect white, because films or liquid crystals below flat layers
+    /// change within a step of the grid; empty: none.
+    pub unresolved: Vec<[f64; 3]>,
 }
 
 /// Colorimetric settings.

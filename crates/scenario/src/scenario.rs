@@ -557,10 +557,13 @@ impl Resolved {
             }
             DisplayError::CrystalFringes => {
                 let wrong = Diagnostic::new(
-                    "the layers of this pixel have more interference fringes over angle than can be tabulated",
+                    "the layers of this pixel have more interference fringes over inclination or azimuth than can be tabulated",
                 )
-                .expected("coherent layers of at most about 0.05 mm")
-                .hint("describe a thick pane as kind = \"slab\"");
+                .expected("birefringent coherent layers of at most about 0.02 mm, others of at most about 0.05 mm")
+                .hint(
+                    "describe a thick pane as kind = \"slab\"; by adding, diffuse light and lamps are computed without a table, in views with \
+                     a field of at most 4 deg",
+                );
                 ("display.pixel", wrong.into())
             }
             DisplayError::NoWhite { what } => {

@@ -1,17 +1,21 @@
 //! Liquid-crystal pixels: reflection of unpolarised or of polarised light against inclination and azimuth.
 //!
 //! The table holds, at each inclination, harmonics of the azimuth: by reciprocity, the reflectance for unpolarised light is the
-//! same at opposite azimuths, and so are sums of mirrored elements of the matrix for polarised light; their differences have opposite signs. Their number is chosen at a steep inclination, the nodes as for films. Nearer to the normal, fewer azimuths are
-//! computed, as many as the last harmonics there require.
+//! same at opposite azimuths, and so are sums of mirrored elements of the matrix for polarised light; their differences have opposite signs. Their number is
+//! chosen at a few inclinations, and enlarged if it leaves anything out at a node; the nodes are chosen as for films. Nearer to the normal, fewer azimuths
+//! are computed, as many as the last harmonics there require.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use papilio_optics::berreman::{SpectralStack, SpectralWaves};
 use papilio_optics::{Beta, OpticsError};
 use papilio_spectra::{Grid, Spectrum};
-use papilio_transport::{AngularTable, Base, Mueller, MuellerAt, MuellerByDirection, Nodes, Reflector};
+use papilio_transport::{
+    AngularTable, Base, CosinePanels, Mueller, MuellerAt, MuellerByDirection, Nodes, Reflector,
+};
 use rayon::prelude::*;
 
 use super::table;
@@ -19,25 +23,34 @@ use crate::DisplayError;
 use crate::run::{Control, Progress};
 use crate::scene::CrystalPixel;
 
-/// Largest harmonic of azimuth that is left out, as a reflectance.
+/// Largest harmonic of azimuth that is left out, as a reflectance, where their number is chosen; elsewhere it may be twice as large.
 const HARMONIC_ERROR: f64 = 5e-5;
+
+/// Number of harmonics above which the error of each is smaller, because their errors add up.
+const MANY_HARMONICS: f64 = 32.0;
 
 /// Interpolation error of the table, as a reflectance. What the faces of a thick, almost matched retarder return to each other is below it.
 pub(crate) const TABLE_ERROR: f64 = 1e-4;
 
 /// The same where light is trapped by total reflection: only scatterers with wide lobes send light there, and towards grazing directions the waves that
-/// the layers guide make narrow peaks.
+/// the layers guide make narrow peaks, over azimuth too, whose last harmonics are left out.
 const TRAPPED_ERROR: f64 = 5e-3;
 
-/// Least and largest number of azimuths over half a turn, powers of two.
+/// Least and largest number of azimuths over half a turn: a retarder of 10 um needs 250.
 const FEWEST_AZIMUTHS: usize = 8;
-const MOST_AZIMUTHS: usize = 64;
+const MOST_AZIMUTHS: usize = 1024;
+
+/// Harmonics that are computed beyond those that are kept, at least: others have nearly the same size.
+const SPARE: usize = 4;
+
+/// Largest number of values of a table, 2 GB.
+const MOST_VALUES: usize = 1 << 28;
 
 /// Part of the progress of a computation in which the table is made.
 const PART: [f64; 2] = [0.0, 0.8];
 
-/// Sine of the inclination in air at which they are; below scatterers, also one in glass, with a coarser limit.
-const STEEP: f64 = 0.97;
+/// Sines of the inclinations in air at which the number of harmonics is chosen; below scatterers, also one in glass, with a coarser limit.
+const INCLINATIONS: [f64; 3] = [0.7, 0.97, 0.999];
 const STEEP_IN_GLASS: f64 = 0.9;
 
 /// Error: a scatterer above the pixel, by adding.
@@ -156,27 +169,41 @@ impl Crystal {
     }
 
     /// Returns the first `count` harmonics of all functions, `[state][element][harmonic][wavelength]`, from at most this number of azimuths; those
-    /// below `error` are left out.
+    /// below `error` are left out. With it, whether no larger ones are.
     fn harmonics(
         &self,
         (sine, in_air): (f64, bool),
-        (count, most): (usize, usize),
+        (count, azimuths): (usize, Azimuths),
         error: f64,
-    ) -> Result<Vec<f64>, OpticsError> {
+    ) -> Result<(Vec<f64>, bool), OpticsError> {
         if count == 1 {
             // The same at all azimuths.
-            return self.functions(&mut self.waves(sine, in_air)?, &[0.0]);
+            return Ok((self.functions(&mut self.waves(sine, in_air)?, &[0.0])?, true));
         }
+        let found = self.all_harmonics((sine, in_air), azimuths, error)?;
+        let is_whole = found.is_whole
+            || count + SPARE <= found.count && self.are_small(&found, count.div_ceil(2), 2.0 * error);
+        Ok((self.resized(found, count), is_whole))
+    }
+
+    /// Returns the harmonics of all functions, from as few azimuths as show that those left out are below `error`, or from the most.
+    fn all_harmonics(
+        &self,
+        (sine, in_air): (f64, bool),
+        Azimuths { fewest, most }: Azimuths,
+        error: f64,
+    ) -> Result<Harmonics, OpticsError> {
         let step_deg = |azimuths: usize| 180.0 / azimuths as f64;
-        let mut azimuths = FEWEST_AZIMUTHS.min(most);
+        let mut azimuths = fewest;
         let first: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * k as f64).collect();
         let mut waves = self.waves(sine, in_air)?;
         let mut rows = self.functions(&mut waves, &first)?;
         loop {
-            let own = count.min(azimuths - 1);
-            let found = self.harmonics_of(&rows, azimuths, own);
-            if azimuths >= most || self.are_last_small(&found, own, error) {
-                return Ok(self.padded(found, own, count));
+            let mut found = self.harmonics_of(&rows, azimuths);
+            // Those of the upper half of the orders, of which at least two are known.
+            found.is_whole = self.are_small(&found, found.count / 4 + 1, error);
+            if azimuths >= most || found.is_whole {
+                return Ok(found);
             }
             let between: Vec<f64> = (0..azimuths).map(|k| step_deg(azimuths) * (k as f64 + 0.5)).collect();
             let more = self.functions(&mut waves, &between)?;
@@ -187,65 +214,103 @@ impl Crystal {
         }
     }
 
-    /// Returns harmonics, `[state][element][harmonic][wavelength]`, of functions `[azimuth][state][element][wavelength]`.
-    fn harmonics_of(&self, rows: &[f64], azimuths: usize, count: usize) -> Vec<f64> {
-        let (bins, functions) = (self.index.len(), self.states * self.elements());
-        let mut out = vec![0.0; functions * count * bins];
+    /// Returns as many harmonics as functions `[azimuth][state][element][wavelength]` show.
+    fn harmonics_of(&self, rows: &[f64], azimuths: usize) -> Harmonics {
+        let (bins, functions, count) = (self.index.len(), self.states * self.elements(), azimuths - 1);
+        let mut values = vec![0.0; functions * count * bins];
         for (k, row) in rows.chunks_exact(functions * bins).enumerate() {
             let weights = [false, true]
                 .map(|odd| (0..count).map(|harmonic| weight(harmonic, odd, k, azimuths)).collect::<Vec<_>>());
-            for (function, values) in row.chunks_exact(bins).enumerate() {
+            for (function, of_function) in row.chunks_exact(bins).enumerate() {
                 for (harmonic, weight) in weights[usize::from(self.is_odd(function))].iter().enumerate() {
-                    let sums = &mut out[(function * count + harmonic) * bins..][..bins];
-                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+                    let sums = &mut values[(function * count + harmonic) * bins..][..bins];
+                    sums.iter_mut().zip(of_function).for_each(|(sum, value)| *sum += weight * value);
                 }
             }
         }
-        out
+        Harmonics { values, count, is_whole: false }
     }
 
-    /// True if the harmonics of the upper half of the orders, of which at least two are known, are negligible.
-    fn are_last_small(&self, harmonics: &[f64], count: usize, error: f64) -> bool {
-        let bins = self.index.len();
-        let rows = harmonics.chunks_exact(bins).enumerate();
-        let mut upper = rows.filter(|(at, _)| (at % count).div_ceil(2) > count / 4);
+    /// True if the harmonics from this order on are below an error.
+    fn are_small(&self, harmonics: &Harmonics, order: usize, error: f64) -> bool {
+        let rows = harmonics.values.chunks_exact(self.index.len()).enumerate();
+        let mut upper = rows.filter(|(at, _)| (at % harmonics.count).div_ceil(2) >= order);
         upper.all(|(_, row)| row.iter().all(|value| value.abs() < error))
     }
 
-    /// Adds harmonics of 0.
-    fn padded(&self, harmonics: Vec<f64>, own: usize, count: usize) -> Vec<f64> {
-        if own == count {
-            return harmonics;
-        }
+    /// Returns this number of harmonics; unknown ones are 0.
+    fn resized(&self, harmonics: Harmonics, count: usize) -> Vec<f64> {
+        let Harmonics { values, count: own, .. } = harmonics;
         let bins = self.index.len();
-        let rows = harmonics.chunks_exact(own * bins);
-        rows.flat_map(|row| row.iter().copied().chain(vec![0.0; (count - own) * bins])).collect()
+        let resized = |row: &[f64]| {
+            let mut row = row.to_vec();
+            row.resize(count * bins, 0.0);
+            row
+        };
+        if own == count { values } else { values.chunks_exact(own * bins).flat_map(resized).collect() }
     }
 
     /// Returns whether the reflectance depends on azimuth, at angles in air or also at all those in glass.
     pub(super) fn is_azimuthal(&self, in_air: bool) -> Result<bool, OpticsError> {
-        Ok(self.count(!in_air)? > 1)
+        Ok(self.count(!in_air)?.is_none_or(|count| count > 1))
     }
 
-    /// Returns the number of harmonics that suffice, an odd number.
-    fn count(&self, in_glass: bool) -> Result<usize, OpticsError> {
-        let in_air = self.count_at(STEEP, true, HARMONIC_ERROR)?;
-        Ok(if in_glass { in_air.max(self.count_at(STEEP_IN_GLASS, false, TRAPPED_ERROR)?) } else { in_air })
+    /// Returns the number of harmonics that suffice, an odd number; `None` if even the most do not.
+    fn count(&self, in_glass: bool) -> Result<Option<usize>, OpticsError> {
+        let in_air = INCLINATIONS.map(|sine| ((sine, true), HARMONIC_ERROR));
+        let in_glass = in_glass.then_some(((STEEP_IN_GLASS, false), TRAPPED_ERROR));
+        let mut count = 1;
+        for (at, error) in in_air.into_iter().chain(in_glass) {
+            let Some(own) = self.count_at(at, error)? else { return Ok(None) };
+            count = own.max(count);
+        }
+        Ok(Some(count))
     }
 
-    fn count_at(&self, sine: f64, in_air: bool, error: f64) -> Result<usize, OpticsError> {
-        let most = MOST_AZIMUTHS - 1;
-        let all = self.harmonics((sine, in_air), (most, MOST_AZIMUTHS), error)?;
-        let bins = self.index.len();
+    fn count_at(&self, at: (f64, bool), error: f64) -> Result<Option<usize>, OpticsError> {
+        let azimuths = Azimuths { fewest: FEWEST_AZIMUTHS, most: MOST_AZIMUTHS };
+        let all = self.all_harmonics(at, azimuths, error)?;
         let is_large = |row: &[f64]| row.iter().any(|value| value.abs() > error);
-        let rows = all.chunks_exact(bins).enumerate().filter(|(_, row)| is_large(row));
-        let order = |at: usize| match self.is_odd(at / most) {
-            true => at % most / 2 + 1,
-            false => (at % most).div_ceil(2),
+        let rows = all.values.chunks_exact(self.index.len()).enumerate().filter(|(_, row)| is_large(row));
+        let order = |at: usize| match self.is_odd(at / all.count) {
+            true => at % all.count / 2 + 1,
+            false => (at % all.count).div_ceil(2),
         };
         let last = rows.map(|(at, _)| order(at)).max().unwrap_or(0);
-        Ok((2 * last + 1).min(most))
+        Ok(all.is_whole.then_some((2 * last + 1).min(MOST_AZIMUTHS - 1)))
     }
+}
+
+/// Numbers of azimuths over half a turn: the fewest, doubled some times, are the most.
+#[derive(Clone, Copy)]
+struct Azimuths {
+    fewest: usize,
+    most: usize,
+}
+
+impl Azimuths {
+    /// Returns those for this number of harmonics and some more; powers of two for helices, whose slices are such parts of half a turn.
+    fn of(count: usize, is_helix: bool) -> Self {
+        let least = (count + SPARE).max(FEWEST_AZIMUTHS);
+        let doublings = (least / FEWEST_AZIMUTHS).ilog2();
+        match is_helix {
+            true => Self { fewest: FEWEST_AZIMUTHS, most: least.next_power_of_two() },
+            false => {
+                let fewest = least.div_ceil(1 << doublings);
+                Self { fewest, most: fewest << doublings }
+            }
+        }
+    }
+}
+
+/// Harmonics of the azimuth at one inclination.
+struct Harmonics {
+    /// `[state][element][harmonic][wavelength]`.
+    values: Vec<f64>,
+    /// Their number.
+    count: usize,
+    /// Whether all others are negligible, as their last ones show.
+    is_whole: bool,
 }
 
 /// Returns the ends of the panel with these Chebyshev nodes.
@@ -294,10 +359,10 @@ pub(super) fn base(
     crystal.polarised = seen.polarised;
     crystal.of_phases = if seen.phases { 1.0 } else { UNSEEN_PHASES };
     let count = crystal.count(!seen.is_bare)?;
-    if count > 1 && seen.by_adding && !seen.is_bare {
+    if count != Some(1) && seen.by_adding && !seen.is_bare {
         return Err(AZIMUTH_BELOW_SCATTERER);
     }
-    let most = (count + 1).next_power_of_two().max(FEWEST_AZIMUTHS);
+    let mut count = count.ok_or(DisplayError::CrystalFringes)?;
     let (bins, states, elements) = (grid.len(), pixel.states.len(), crystal.elements());
     let trapped = match seen.unrefracted {
         true => 0.0,
@@ -305,35 +370,56 @@ pub(super) fn base(
     };
     let lowest = if seen.is_bare { trapped } else { 0.0 };
     let error = |end: f64| if end <= trapped { TRAPPED_ERROR } else { TABLE_ERROR };
+    let is_helix = pixel.parts.iter().any(|part| part.repeats > 1);
     let is_needed = |[from, to]: [f64; 2]| {
         let is_seen = |[low, high]: &[f64; 2]| *high >= from && *low <= to;
         to >= lowest && seen.cosines.is_none_or(|all| all.iter().any(is_seen))
     };
-    let all = |cosines: &[f64]| -> Result<Vec<f64>, DisplayError> {
-        if !is_needed(ends(cosines)) {
-            return Ok(vec![0.0; cosines.len() * states * elements * count * bins]);
+    let (panels, mut values) = loop {
+        let azimuths = Azimuths::of(count, is_helix);
+        let of_each = (MANY_HARMONICS / count as f64).sqrt().min(1.0);
+        let of_node = states * elements * count * bins;
+        if azimuths.most > MOST_AZIMUTHS {
+            return Err(DisplayError::CrystalFringes);
         }
-        control.map_or(Ok(()), Control::check)?;
-        // Ends of panels are known to rounding.
-        let is_trapped = ends(cosines)[1] <= trapped * (1.0 + 1e-9);
-        let harmonic_error = if is_trapped { TRAPPED_ERROR } else { HARMONIC_ERROR };
-        let rows = cosines.par_iter().map(|cosine| {
-            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            crystal.harmonics((sine, false), (count, most), harmonic_error)
-        });
-        let rows = rows.collect::<Result<Vec<_>, _>>()?.concat();
-        // Panels come in ascending order of the cosine.
-        let done = cosines.iter().copied().fold(lowest, f64::max);
-        let share_of_view = Some((done - lowest) / (1.0 - lowest));
-        let now = Progress { share_of_view, unit: "tables of the pixel", ..Progress::of_views(0, 1) };
-        if let Some(control) = control {
-            (control.progress)(now.within(PART));
+        let misses = AtomicBool::new(false);
+        let all = |cosines: &[f64]| -> Result<Vec<f64>, DisplayError> {
+            if !is_needed(ends(cosines)) {
+                return Ok(vec![0.0; cosines.len() * of_node]);
+            }
+            control.map_or(Ok(()), Control::check)?;
+            // Ends of panels are known to rounding.
+            let is_trapped = ends(cosines)[1] <= trapped * (1.0 + 1e-9);
+            let harmonic_error = of_each * if is_trapped { TRAPPED_ERROR } else { HARMONIC_ERROR };
+            let rows = cosines.par_iter().map(|cosine| {
+                let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+                let (found, is_whole) =
+                    crystal.harmonics((sine, false), (count, azimuths), harmonic_error)?;
+                if is_whole || *cosine <= trapped {
+                    return Ok(found);
+                }
+                misses.store(true, Ordering::Relaxed);
+                Err(DisplayError::CrystalFringes)
+            });
+            let rows = rows.collect::<Result<Vec<_>, _>>()?.concat();
+            // Panels come in ascending order of the cosine.
+            let done = cosines.iter().copied().fold(lowest, f64::max);
+            let share_of_view = Some((done - lowest) / (1.0 - lowest));
+            let now = Progress { share_of_view, unit: "tables of the pixel", ..Progress::of_views(0, 1) };
+            if let Some(control) = control {
+                (control.progress)(now.within(PART));
+            }
+            Ok(rows)
+        };
+        // A sample as good as the whole would take as long: the whole decides.
+        let most_panels = MOST_VALUES / (of_node * CosinePanels::NODES);
+        let sample = |cosines: &[f64]| Ok(vec![0.0; cosines.len()]);
+        let found = table::panels_within((|end| of_each * error(end), most_panels), None, sample, all);
+        if !misses.into_inner() {
+            break found?.ok_or(DisplayError::CrystalFringes)?;
         }
-        Ok(rows)
+        count = 2 * count + 1;
     };
-    // A sample as good as the whole would take as long: the whole decides.
-    let panels = table::panels_within(error, None, |cosines| Ok(vec![0.0; cosines.len()]), all)?;
-    let (panels, mut values) = panels.ok_or(DisplayError::CrystalFringes)?;
     if seen.polarised && !seen.phases {
         let of_element = count * bins;
         let own: &mut [f64] = Arc::make_mut(&mut values);

@@ -44,12 +44,12 @@ pub(super) fn panels<E>(
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
-    panels_within(|_| TABLE_ERROR, known, sample, whole)
+    panels_within((|_| TABLE_ERROR, MOST_PANELS), known, sample, whole)
 }
 
-/// Returns the same within another error than [`TABLE_ERROR`], given the upper end of a panel.
+/// Returns the same within another error than [`TABLE_ERROR`], given the upper end of a panel, with at most this number of panels.
 pub(super) fn panels_within<E>(
-    error: impl Fn(f64) -> f64,
+    (error, most): (impl Fn(f64) -> f64, usize),
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
@@ -71,7 +71,7 @@ pub(super) fn panels_within<E>(
                 continue;
             }
         }
-        if panel.halvings == HALVINGS.1 || done.len() + open.len() + 2 > MOST_PANELS {
+        if panel.halvings == HALVINGS.1 || done.len() + open.len() + 2 > most.min(MOST_PANELS) {
             return Ok(None);
         }
         open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));

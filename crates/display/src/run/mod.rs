@@ -381,6 +381,10 @@ impl Run<'_> {
     /// Returns a warning if the grid is too coarse for the light or for the reflectances, with a step that is fine enough: the error
     /// of linear interpolation is proportional to the square of the step.
     fn coarse_step(&self, views: &[View]) -> Option<String> {
+        // What changes within a step had its warning when the scene was made.
+        if self.scene.unresolved.iter().flatten().any(|error| *error > NEGLIGIBLE_ERROR) {
+            return None;
+        }
         let errors = views.iter().flat_map(|view| {
             let states = view.states.0.iter();
             states.filter_map(|(name, state)| {

@@ -156,6 +156,57 @@ fn default_slices_of_a_cell_equal_many() {
     }
 }
 
+/// Helices of a long and of a short pitch, against cells of 2000 slices that turn as far.
+#[test]
+fn a_cholesteric_layer_is_a_cell_that_turns_as_far() {
+    for (pitch_nm, turns, theta_deg) in [(20_000.0, 0.5, 20.0), (100_000.0, 0.2, 60.0), (550.0, 2.0, 30.0)] {
+        let thickness_um = 1e-3 * pitch_nm * turns;
+        let index = "n_o = 1.5, n_e = 1.7";
+        let helix = format!(
+            "{{ kind = \"cholesteric\", pitch_nm = {pitch_nm}, handedness = \"left\", {index}, thickness_um = {thickness_um} }}"
+        );
+        let cell = format!(
+            "{{ kind = \"cell\", gap_um = {thickness_um}, {index}, twist_deg = {}, slices = 2000 }}",
+            360.0 * turns
+        );
+        let range = "spectrum.range_nm=[540,560]";
+        let [helix, cell] =
+            [helix, cell].map(|layer| over_silver(&format!("{POLARISER}, {layer}"), &[theta_deg], range));
+        for (helix, cell) in helix.iter().zip(&cell) {
+            assert!((helix - cell).abs() < 2e-4, "{pitch_nm}: {helix} {cell}");
+        }
+    }
+}
+
+/// Uniform light is diffuse light, or a cap of 90 deg: below flat layers, adding computes the pixel at each direction of the former, and looks it
+/// up in the table by inclination and azimuth for the latter. Thick retarders and cells have up to 100 harmonics of the azimuth.
+#[test]
+fn tables_over_azimuth_hold_all_fringes_of_thick_retarders() {
+    for layer in [
+        "{ kind = \"retarder\", axis_deg = 55, retardance_nm = 6000 }",
+        "{ kind = \"retarder\", axis_deg = 55, retardance_nm = 10000 }",
+        "{ kind = \"cell\", gap_um = 30, n_o = 1.5, n_e = 1.7, rub_deg = 55 }",
+    ] {
+        let stack = format!("display.pixel.stack=[{{ kind = \"polariser\", axis_deg = 10 }}, {layer}]");
+        let of = |light: &str| {
+            let light = format!("lighting={{ illuminance_lx = 500, spectrum = \"E\", {light} }}");
+            let changes = [
+                &stack,
+                &light,
+                "spectrum.range_nm=[550,555]",
+                "spectrum.step_nm=5",
+                "viewer.theta_deg=[40,75,85]",
+                "viewer.phi_deg=[7,160]",
+            ];
+            spectra(&scenario("circular-polariser", &changes).unwrap().scene)
+        };
+        let (each, table) = (of("diffuse = 1.0"), of("environment = [{ model = \"cap\", share = 1.0 }]"));
+        for (each, table) in each.iter().flatten().flatten().zip(table.iter().flatten().flatten()) {
+            assert!((each - table).abs() < 3e-4, "{layer}: {each} {table}");
+        }
+    }
+}
+
 /// Positions of the bands of cholesteric paper: from n_o p to n_e p along the normal, half of the light there, and bluer from the side by
 /// the cosine of the angle in the layer (J. L. Fergason, Mol. Cryst. 1, 293 (1966)).
 #[test]

@@ -264,7 +264,8 @@ impl Resolver<'_> {
             );
             return None;
         }
-        let mut scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver };
+        let unresolved = Vec::new();
+        let mut scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver, unresolved };
         choose_method(file, &mut scene);
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
@@ -275,7 +276,7 @@ impl Resolver<'_> {
         self.note_scattering(&scene);
         if let Some(judge) = Judge::new(&scene) {
             self.warn_of_tables(&judge);
-            self.warn_of_fringes(&scene, &judge);
+            scene.unresolved = self.warn_of_fringes(&scene, &judge);
         }
         self.warn_of_unbounded(&scene);
         self.check_target(file, &scene);

@@ -152,14 +152,14 @@ impl Judge {
         })
     }
 
-    /// Largest error of X, Y and Z, relative to a perfect white, if this reflectance (a function of the wavelength, nm) is known only in
+    /// Errors of X, Y and Z, relative to a perfect white, if this reflectance (a function of the wavelength, nm) is known only in
     /// steps of `step_nm` (at least 1) and linear between them. Each step is divided into `parts`.
-    pub(super) fn error(
+    pub(super) fn errors(
         &self,
         step_nm: f64,
         parts: usize,
         reflectance: impl Fn(f64) -> Option<f64>,
-    ) -> Option<f64> {
+    ) -> Option<[f64; 3]> {
         let step_nm = step_nm.max(1.0);
         let (first, last) = (self.seen.start_nm(), self.seen.stop_nm());
         // The first wavelength of such a grid that is seen.
@@ -180,7 +180,7 @@ impl Judge {
             }
             from = to;
         }
-        off.into_iter().map(f64::abs).reduce(f64::max).filter(|error| error.is_finite())
+        Some(off.map(f64::abs)).filter(|errors| errors.iter().all(|error| error.is_finite()))
     }
 
     /// The largest usual step below that of the grid at which this error is negligible; `None` if there is none.
@@ -191,13 +191,23 @@ impl Judge {
         finer.into_iter().find(|step| error(*step).is_some_and(|error| error <= NEGLIGIBLE_ERROR))
     }
 
-    /// Error of a table of reflectances or transmittances, in steps of `step_nm`.
-    pub(super) fn error_of_table(&self, table: &Tabulated, step_nm: f64) -> Option<f64> {
+    /// Errors of a table of reflectances or transmittances, in steps of `step_nm`.
+    pub(super) fn errors_of_table(&self, table: &Tabulated, step_nm: f64) -> Option<[f64; 3]> {
         let parts = (step_nm.max(1.0) * PER_NM as f64).ceil() as usize;
         // A table may end a little before the grid.
         let (first, last) = table.range_nm();
-        self.error(step_nm, parts, |nm| table.at(nm.clamp(first, last)).ok())
+        self.errors(step_nm, parts, |nm| table.at(nm.clamp(first, last)).ok())
     }
+
+    /// Largest of them.
+    pub(super) fn error_of_table(&self, table: &Tabulated, step_nm: f64) -> Option<f64> {
+        self.errors_of_table(table, step_nm).map(largest)
+    }
+}
+
+/// Returns the largest of the errors of X, Y and Z.
+pub(super) fn largest(errors: [f64; 3]) -> f64 {
+    errors.into_iter().fold(0.0, f64::max)
 }
 
 /// Returns whether the grid has all points of a table, between which the table is linear itself.

@@ -175,11 +175,11 @@ stack = [
         let rest = &slices[..parts[part].rest.min(slices.len())];
         parts[part].repeats as f64 * sum(slices) + sum(rest)
     };
-    // 656 slices of 6.25 nm.
+    // 2622 slices of 1.5625 nm.
     let helix = &parts[0];
-    assert_eq!((parts.len(), helix.repeats, helix.rest, helix.slices[0].len()), (3, 20, 15, 32));
-    close(thickness(0, 0), 4093.75);
-    close(thickness(1, 0), 4.25);
+    assert_eq!((parts.len(), helix.repeats, helix.rest, helix.slices[0].len()), (3, 20, 62, 128));
+    close(thickness(0, 0), 4096.875);
+    close(thickness(1, 0), 1.125);
     for (part, state, expected) in [(2, 0, 0.0), (0, 1, 0.0), (1, 1, 0.0), (2, 1, 4098.0)] {
         close(thickness(part, state), expected);
     }
@@ -287,7 +287,11 @@ fn mistakes_are_explained() {
         ("axis_deg = 75,", "axis_deg = 75, tilt_deg = 3,", "`tilt_deg` is for O plates only"),
         ("handedness = \"left\"", "handedness = \"l\"", "\"right\""),
         ("substrate = \"Al\"\n", "", "substrate"),
-        ("retardance_nm = 275", "retardance_nm = -9000, thickness_um = 1", "exceeds its index"),
+        (
+            "retardance_nm = 275",
+            "retardance_nm = -9000, thickness_um = 1",
+            "has an index of -7.5 along an axis",
+        ),
         (
             "twist_deg = 63.6, slices = 40, pretilt_deg = 2, states",
             "states = { a = { tilt_deg = 1 } } }, { kind = \"cell\", gap_um = 1, n_o = 1.5, n_e = 1.6, states",

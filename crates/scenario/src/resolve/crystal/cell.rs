@@ -8,7 +8,7 @@ use papilio_optics::berreman::axes;
 use papilio_optics::frank_oseen::{DrivenCell, Nematic, director};
 use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, liquid_crystal, liquid_crystal_names};
 
-use super::{Director, MOST_CRYSTAL_UM, RETARDANCE_AT_NM};
+use super::{Director, MOST_CRYSTAL_UM, MOST_SLICE_NM, RETARDANCE_AT_NM};
 use crate::describe::crystal as describe;
 use crate::describe::crystal::CellState;
 use crate::mistake;
@@ -24,9 +24,6 @@ const MOST_SLICES_OF_TURN: f64 = 500.0;
 /// number: this one keeps it below 1e-4 (a perfect white: 1), by
 /// comparison with 2000 slices of cells from 2 to 20 um that turn by 20 to 720 deg.
 const SLICES_OF_TURN: f64 = 1.4;
-
-/// Thickest slice of a director that turns, nm: the steps between thicker ones reflect visible light in phase, 2 n h = lambda.
-const MOST_SLICE_NM: f64 = 100.0;
 
 /// Steps in which the turn of a director is found.
 const STEPS_OF_TURN: usize = 200;
