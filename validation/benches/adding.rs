@@ -134,11 +134,11 @@ fn slabs_over_mirror(count: usize, anisotropy: f64) -> Stack {
     let slab = |number: usize| {
         Layer::new(
             if number == 0 { Interface::Fresnel } else { Interface::Open },
-            Medium::new(vec![1.5].into()).with_scattering(Scattering {
-                optical_thickness: 0.3 + 0.1 * number as f64,
+            Medium::new(vec![1.5].into()).with_scattering(Scattering::unpolarised(
+                0.3 + 0.1 * number as f64,
                 anisotropy,
-                albedo: vec![1.0].into(),
-            }),
+                vec![1.0].into(),
+            )),
         )
     };
     let mirror = AngularTable {

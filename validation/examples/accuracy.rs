@@ -128,11 +128,11 @@ fn lobe(width: f64, transmittance: f64) -> Diffuser {
 }
 
 fn slab(optical_thickness: f64, anisotropy: f64, index: f64) -> Medium {
-    Medium::new(one(index).into()).with_scattering(Scattering {
+    Medium::new(one(index).into()).with_scattering(Scattering::unpolarised(
         optical_thickness,
         anisotropy,
-        albedo: one(1.0).into(),
-    })
+        one(1.0).into(),
+    ))
 }
 
 fn over_mirror<const N: usize>(layers: [(Interface, Medium); N], reflectance: f64) -> Stack {

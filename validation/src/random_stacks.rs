@@ -192,7 +192,7 @@ fn rare_slab(dice: &mut Dice, under_diffuser: bool) -> (String, Stack) {
     let anisotropy = [0.0, 0.6, dice.between(0.7, 0.9), -0.7][dice.below(4)];
     let albedo = constant([1.0, 0.999, 0.3, 0.01][dice.below(4)]);
     name += &format!("slab tau {optical_thickness:.5} g {anisotropy:.2} albedo {}", albedo[0]);
-    let scattering = Scattering { optical_thickness, anisotropy, albedo };
+    let scattering = Scattering::unpolarised(optical_thickness, anisotropy, albedo);
     let interface = if under_diffuser { Interface::Open } else { Interface::Fresnel };
     layers.push(Layer::new(interface, Medium::new(constant(1.5)).with_scattering(scattering)));
     (name, Stack::general(layers, base(dice)))
@@ -344,7 +344,7 @@ fn slab(dice: &mut Dice, index: f64) -> (String, Medium) {
     let anisotropy = [0.0, -0.3, dice.between(0.3, 0.8), dice.between(0.8, 0.95)][dice.below(4)];
     let albedo = if dice.one_in(2) { constant(1.0) } else { spectrum(dice, 0.5, 1.0) };
     let name = format!("slab n {index} tau {optical_thickness:.2} g {anisotropy:.2}");
-    let scattering = Scattering { optical_thickness, anisotropy, albedo };
+    let scattering = Scattering::unpolarised(optical_thickness, anisotropy, albedo);
     (name, Medium::new(constant(index)).with_scattering(scattering))
 }
 

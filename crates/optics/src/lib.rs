@@ -15,7 +15,7 @@
 //! - [`rough`]: a rough interface that scatters light to both sides without losses;
 //! - [`RandomFace`]: statistics of a Gaussian random face;
 //! - [`scatter`]: scattering interfaces given by tables or formulas;
-//! - [`phase`]: the phase function of scattering media;
+//! - [`phase`]: phase functions and matrices of scattering media;
 //! - [`Beta`]: the direction cosines that all of them use.
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! Phase functions: angular distribution of the light that a medium scatters.
+//! Phase functions and matrices: angular distribution of the light that a medium scatters.
 //!
 //! # Henyey-Greenstein
 //! `p(cos) = (1 - g^2) / (4 pi (1 + g^2 - 2 g cos)^(3/2))` per steradian, with `cos` that of the angle
@@ -14,12 +14,18 @@
 //! dense medium do not scatter independently; g is then an effective parameter.
 //!
 //! Source: L. G. Henyey, J. L. Greenstein, Astrophys. J. 93, 70 (1941), eq. 2.
+//!
+//! Light that it scatters counts as unpolarised. Molecules and spheres have a [`PhaseMatrix`].
+
+pub mod matrix;
+pub mod mie;
 
 use std::f64::consts::PI;
 
 use papilio_sampling::warp;
 
 use crate::scatterer::{Sample, Scatterer};
+pub use matrix::{Elements, Particles, PhaseMatrix};
 
 /// The phase function of Henyey and Greenstein.
 ///

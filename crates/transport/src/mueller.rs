@@ -205,7 +205,7 @@ impl WholeView {
 
     /// Returns what a view sees of light that leaves with these direction cosines, over that of a perfect white seen in the same way. A polariser
     /// is fixed to the view.
-    fn meter(&self, view: Option<&Cone>, beta: Beta) -> Quartet {
+    pub(crate) fn meter(&self, view: Option<&Cone>, beta: Beta) -> Quartet {
         let Some(angle) = self.polariser else { return METER };
         let frame = Frame::new(beta, 1.0);
         let [p, s] = match view {
@@ -217,7 +217,7 @@ impl WholeView {
     }
 
     /// Returns the light of a source with these direction cosines, of unit intensity; `centre`: those of the centre of a lamp.
-    fn light(&self, number: usize, centre: Option<Beta>, beta: Beta) -> Quartet {
+    pub(crate) fn light(&self, number: usize, centre: Option<Beta>, beta: Beta) -> Quartet {
         match self.vibrations.get(number) {
             Some(Some(vibration)) => light_of(vibration, centre, beta),
             _ => LIGHT,

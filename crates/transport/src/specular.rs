@@ -5,11 +5,11 @@ use papilio_optics::film::Polarisation;
 use papilio_spectra::StateSpectra;
 
 use crate::front::Flat;
-use crate::layers::{LayerKind, fresnel_of};
+use crate::layers::{Crossed, Incidence, LayerKind, fresnel_of};
 use crate::light::images::{Mirror, image_points};
-use crate::mueller::{Above, Orders};
+use crate::mueller::{Above, Factors, Orders, dot};
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Cone, Diffuser, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
+use crate::{Base, Cone, Diffuser, Medium, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
@@ -26,6 +26,9 @@ pub fn specular_image(stack: &Stack, beta: Beta) -> ReflectanceFactor {
 /// polarisation counts, and so does a polariser before the eye.
 pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> ReflectanceFactor {
     let beta = source.direction().unwrap_or_default();
+    if stack.has_phase_matrix() {
+        return image_of_stokes(stack, number, source, beta);
+    }
     let whole = stack.in_runs();
     if let Some([s, p]) = whole.polarised() {
         let weights = match stack.polarised_view() {
@@ -42,6 +45,44 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
         Some(view) => view.image(number, source, image),
         None => image,
     }
+}
+
+/// Returns the mirror image of a source in layers whose polarised light is followed by its Stokes parameters: all orders of what
+/// passes and mirrors regularly, for s, p and their product.
+fn image_of_stokes(lit: &Stack, number: usize, source: &Source, beta: Beta) -> ReflectanceFactor {
+    let (stack, base) = (lit.in_runs(), lit.base());
+    let (bins, air) = (base.bins(), Medium::new(vec![1.0; base.bins()].into()));
+    let whole = lit.polarised_view().and_then(|view| view.whole.clone()).unwrap_or_default();
+    let (meter, light) = (whole.meter(None, beta), whole.light(number, source.direction(), beta));
+    let medium = stack.layers().last().map_or(&air, |layer| &layer.medium);
+    let of = |base: &Base| {
+        let mut all = vec![0.0; base.states() * bins];
+        if base.is_specular() {
+            base.reflectance_towards(beta, medium, &mut all);
+        }
+        all
+    };
+    let [s, p] = lit.mirrors_of_each().map_or_else(|| [of(base), of(base)], |both| both.each_ref().map(of));
+    let seen = |bin: usize, [s, p]: [f64; 2]| {
+        let mirror = |r: f64| Flat { t: 0.0, above: r, below: r };
+        let crossed = Crossed::of_both(mirror((s * p).max(0.0).sqrt()), -1.0);
+        let mut below = ([mirror(s), mirror(p)], crossed);
+        for (number, layer) in stack.layers().iter().enumerate().rev() {
+            let above = number.checked_sub(1).map_or(&air, |above| &stack.layers()[above].medium);
+            let passes = layer.medium.regular(&Incidence::between([&layer.medium; 2], bin, beta.squared()));
+            let ([s, p], crossed) =
+                layer.interface.of_each(&Incidence::between([above, &layer.medium], bin, beta.squared()));
+            let ([below_s, below_p], below_crossed) = below;
+            let all = |own: Flat, below: Flat| own.over(passes).over(below);
+            let crossed = crossed.over(Crossed::of_both(passes, 1.0)).over(below_crossed);
+            below = ([all(s, below_s), all(p, below_p)], crossed);
+        }
+        let ([s, p], crossed) = below;
+        dot(meter, Factors { p: p.above, s: s.above, crossed: crossed.above }.of(light))
+    };
+    let front: Vec<f64> = (0..bins).map(|bin| seen(bin, [0.0; 2])).collect();
+    let via = |k: usize| seen(k % bins, [s[k], p[k]]) - front[k % bins];
+    ReflectanceFactor { via_pixel: StateSpectra::new((0..s.len()).map(via).collect(), bins), front }
 }
 
 /// Returns [`specular_image`] in a view for light of the source of this number, whose centre has these direction cosines.

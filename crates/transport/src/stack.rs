@@ -40,6 +40,8 @@ pub struct Stack {
     in_runs: Option<Box<Self>>,
     /// The last of its layers, if that is a run which keeps s and p apart together with the mirror below.
     mirror_run: Option<Box<MirrorRun>>,
+    /// The mirror-like pixel for light of s and of p, for the tracer of Stokes parameters.
+    mirrors_of_each: Option<Box<[Base; 2]>>,
     /// Polarised light, and a polariser before the eye above layers that scatter.
     polarised_view: Option<Arc<PolarisedView>>,
     /// All layers for light of s and of p, for light with its places, if they are flat and the pixel is Lambertian.
@@ -166,6 +168,9 @@ impl Stack {
         if let Some(both) = self.polarised() {
             return Some(both.each_ref().map(Self::base));
         }
+        if let Some(both) = self.mirrors_of_each() {
+            return Some(both.each_ref());
+        }
         self.in_runs.as_deref()?.mirrors().map(|mirrors| mirrors.each_ref())
     }
 
@@ -173,6 +178,9 @@ impl Stack {
     pub fn polarised_bases_mut(&mut self) -> Option<[&mut Base; 2]> {
         if let Some(polarised) = self.polarised.as_deref_mut() {
             return Some(polarised.both.each_mut().map(Self::base_mut));
+        }
+        if let Some(both) = self.mirrors_of_each.as_deref_mut() {
+            return Some(both.each_mut());
         }
         match &mut self.in_runs.as_deref_mut()?.mirror_run.as_deref_mut()?.mirror {
             Mirror::OfEach(mirrors) => Some(mirrors.each_mut()),
@@ -292,6 +300,24 @@ impl Stack {
         self.polarised_view = view.map(Arc::new);
     }
 
+    /// The same stack, for the tracer of Stokes parameters with a mirror-like pixel for light of s and of p.
+    #[must_use]
+    pub fn with_mirrors_of_each(mut self, both: [Base; 2]) -> Self {
+        debug_assert!(self.base().is_specular());
+        self.mirrors_of_each = Some(Box::new(both));
+        self
+    }
+
+    /// That pixel.
+    pub(crate) fn mirrors_of_each(&self) -> Option<&[Base; 2]> {
+        self.mirrors_of_each.as_deref()
+    }
+
+    /// Returns whether a medium has a phase matrix: only the tracer of Stokes parameters computes it.
+    pub fn has_phase_matrix(&self) -> bool {
+        self.layers.iter().any(|layer| layer.medium.scattering().is_some_and(|slab| slab.matrix.is_some()))
+    }
+
     /// What is polarised.
     pub(crate) fn polarised_view(&self) -> Option<&Arc<PolarisedView>> {
         self.polarised_view.as_ref()
@@ -340,6 +366,7 @@ impl Stack {
             polarised: None,
             in_runs: None,
             mirror_run: None,
+            mirrors_of_each: None,
             polarised_view: None,
             of_each: None,
         }

@@ -330,7 +330,7 @@ impl Resolver<'_> {
         Some(Medium {
             index: n,
             transmittance: Spectrum::constant(&self.grid, 1.0),
-            scattering: Some(Scattering { optical_thickness, anisotropy, albedo }),
+            scattering: Some(Scattering::unpolarised(optical_thickness, anisotropy, albedo)),
         })
     }
 

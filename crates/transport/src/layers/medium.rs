@@ -1,5 +1,6 @@
 //! Medium between two interfaces: index, absorption, scattering in the volume.
 
+use papilio_optics::phase::PhaseMatrix;
 use papilio_spectra::Spectrum;
 
 use super::{Action, Narrowness, Preparation};
@@ -17,7 +18,7 @@ pub struct Medium {
     scattering: Option<Scattering>,
 }
 
-/// Scattering in the volume of a medium of constant index (Henyey & Greenstein 1941).
+/// Scattering in the volume of a medium of constant index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scattering {
     /// Extinction along the normal, above 0.
@@ -26,6 +27,21 @@ pub struct Scattering {
     pub anisotropy: f64,
     /// Fraction of the extinguished light that is scattered, 0 to 1, per wavelength.
     pub albedo: Spectrum,
+    /// The phase matrix, of this anisotropy, whose polarised light only the tracer of Stokes parameters knows. `None`:
+    /// light is scattered as Henyey & Greenstein (1941) say, and leaves unpolarised.
+    pub matrix: Option<PhaseMatrix>,
+}
+
+impl Scattering {
+    /// Returns the scattering of Henyey and Greenstein.
+    pub fn unpolarised(optical_thickness: f64, anisotropy: f64, albedo: Spectrum) -> Self {
+        Self { optical_thickness, anisotropy, albedo, matrix: None }
+    }
+
+    /// Returns scattering by particles.
+    pub fn polarised(optical_thickness: f64, matrix: PhaseMatrix, albedo: Spectrum) -> Self {
+        Self { optical_thickness, anisotropy: matrix.mean_cosine(), albedo, matrix: Some(matrix) }
+    }
 }
 
 impl Medium {

@@ -100,6 +100,22 @@ impl Interface {
         }
     }
 
+    /// Returns its regular part for light of s and of p, and what it does to their product.
+    pub(crate) fn of_each(&self, at: &Incidence) -> ([Flat; 2], Crossed) {
+        match self {
+            Self::Run(run) => (run.of_each(at), run.crossed(at)),
+            Self::Fresnel => {
+                let both = [Polarisation::S, Polarisation::P]
+                    .map(|polarisation| Self::FresnelOf(polarisation).kind().regular(at));
+                (both, Crossed::of(self, both, at))
+            }
+            other => {
+                let both = [other.kind().regular(at); 2];
+                (both, Crossed::of(other, both, at))
+            }
+        }
+    }
+
     /// Returns true if the media above and below must have the same index.
     pub fn lies_in_one_medium(&self) -> bool {
         self.kind().lies_in_one_medium()
@@ -387,7 +403,7 @@ mod tests {
             factor,
         };
         let face = ScatterFace::new(of(0.1, 0.2)).with_transmission(ward(of(0.5, 0.4)));
-        let slab = Scattering { optical_thickness: 0.7, anisotropy: 0.5, albedo: of(0.9, 0.8) };
+        let slab = Scattering::unpolarised(0.7, 0.5, of(0.9, 0.8));
         let lobe = Diffuser {
             lobe: Lobe::KCorrelation { width: 0.1 },
             transmittance: of(0.9, 0.8),

@@ -29,6 +29,23 @@ impl Frame {
         Self { p: cross(s, travel), s, travel }
     }
 
+    /// Returns the frames of light that is scattered from the travel of one frame to that of another: p of both lies in
+    /// the scattering plane.
+    pub(crate) fn of_scattering(arriving: Self, leaving: Self) -> [Self; 2] {
+        let normal = cross(arriving.travel, leaving.travel);
+        let length = dot(normal, normal).sqrt();
+        // Straight on and back, any plane is one.
+        let s = if length > 0.0 { normal.map(|x| x / length) } else { leaving.s };
+        [arriving, leaving].map(|Self { travel, .. }| Self { p: cross(s, travel), s, travel })
+    }
+
+    /// Returns the cosine and sine of twice the angle by which this frame is turned to become another of the same travel: as
+    /// such, `Q' = Q cos + U sin` and `U' = U cos - Q sin`.
+    pub(crate) fn turn(&self, other: Self) -> [f64; 2] {
+        let [cos, sin] = self.components(other.p);
+        [cos * cos - sin * sin, 2.0 * cos * sin]
+    }
+
     pub(crate) fn travel(&self) -> [f64; 3] {
         self.travel
     }

@@ -28,6 +28,9 @@
 //! sums everything that happens between two scattering events in closed form. It is the reference for all
 //! stacks that a panel cannot describe.
 //!
+//! Media with a phase matrix have a fourth, which follows Stokes parameters (`stokes.rs`): in any layers, but event by event, as the
+//! reference.
+//!
 //! [`Plain`] is none of these: it is the walk without any shortcut, in 170 lines (paths and slabs apart, in
 //! `plain/`). Read it first; the others are tested against it.
 //!
@@ -45,6 +48,7 @@ mod images;
 mod layered;
 pub mod places;
 mod plain;
+mod stokes;
 mod strategy;
 
 use std::borrow::Cow;
@@ -59,6 +63,7 @@ use diffused::Diffused;
 use images::Images;
 use layered::Layered;
 pub use plain::Plain;
+use stokes::Stokes;
 pub use strategy::Strategy;
 
 /// Uniform random numbers of one path. Its first blocks are planned ([`PLANNED_BLOCKS`]): those of the first
@@ -126,6 +131,7 @@ enum Kind<'a> {
     Bare(Bare<'a>, Images<'a>),
     Diffused(Box<Diffused<'a>>, Images<'a>),
     Layered(Box<Layered<'a>>, Images<'a>),
+    Stokes(Box<Stokes<'a>>),
     /// Of a stack that keeps s and p apart: a walk for each, with the same random numbers, and their weights by source
     /// and in the ledger.
     Polarised(Box<[Walk<'a>; 2]>, Vec<[f64; 2]>, [f64; 2]),
@@ -151,12 +157,20 @@ impl<'a> Walk<'a> {
         Self::of_light(stack, view, Cow::Borrowed(sources), (strategy, shares))
     }
 
+    /// Prepares the tracer of Stokes parameters, which media with a phase matrix need.
+    pub fn following_polarisation(stack: &'a Stack, view: Cone, sources: Cow<'a, [Source]>) -> Self {
+        Self { kind: Kind::Stokes(Box::new(Stokes::new(stack, view, sources))), changes: None }
+    }
+
     fn of_light(
         stack: &'a Stack,
         view: Cone,
         sources: Cow<'a, [Source]>,
         (strategy, shares): (Strategy, &[f64]),
     ) -> Self {
+        if stack.has_phase_matrix() {
+            return Self::following_polarisation(stack, view, sources);
+        }
         let lit = stack;
         let stack = stack.in_runs();
         if let Some(both) = stack.polarised() {
@@ -198,6 +212,7 @@ impl<'a> Walk<'a> {
             Kind::Bare(bare, images) => (bare.rarest(), images),
             Kind::Diffused(diffused, images) => (diffused.rarest(), images),
             Kind::Layered(layered, images) => (layered.rarest(), images),
+            Kind::Stokes(stokes) => return stokes.rarest(),
             Kind::Polarised(both, ..) => return both[0].rarest().min(both[1].rarest()),
         };
         of_paths.min(images.rarest())
@@ -208,7 +223,7 @@ impl<'a> Walk<'a> {
     pub fn prefers_powers_of_two(&self) -> bool {
         match &self.kind {
             Kind::Bare(..) | Kind::Diffused(..) => true,
-            Kind::Layered(..) => false,
+            Kind::Layered(..) | Kind::Stokes(_) => false,
             Kind::Polarised(both, ..) => both[0].prefers_powers_of_two(),
         }
     }
@@ -221,6 +236,7 @@ impl<'a> Walk<'a> {
                 Accumulator::Diffused(Box::new(diffused.tally()), images.sums())
             }
             Kind::Layered(layered, images) => Accumulator::Layered(Box::new(layered.tally()), images.sums()),
+            Kind::Stokes(stokes) => Accumulator::Stokes(Box::new(stokes.sums())),
             Kind::Polarised(both, ..) => {
                 Accumulator::Polarised(Box::new(both.each_ref().map(Self::replicate)))
             }
@@ -233,7 +249,7 @@ impl<'a> Walk<'a> {
     pub fn batch(&self) -> u64 {
         match &self.kind {
             Kind::Layered(layered, _) => layered.batch_size(),
-            Kind::Bare(..) | Kind::Diffused(..) => 1,
+            Kind::Bare(..) | Kind::Diffused(..) | Kind::Stokes(_) => 1,
             Kind::Polarised(both, ..) => both[0].batch(),
         }
     }
@@ -256,6 +272,9 @@ impl<'a> Walk<'a> {
             (Kind::Layered(layered, images), Accumulator::Layered(tally, sums)) => {
                 images.paths(paths.clone().map(of), sums);
                 layered.paths(numbers, paths, tally);
+            }
+            (Kind::Stokes(stokes), Accumulator::Stokes(sums)) => {
+                paths.for_each(|path| stokes.trace(numbers, path, sums));
             }
             (Kind::Polarised(both, ..), Accumulator::Polarised(tallies)) => {
                 let pairs = both.iter().zip(tallies.iter_mut());
@@ -287,7 +306,9 @@ impl<'a> Walk<'a> {
                 });
                 layered.estimates(&tallies.collect::<Vec<_>>())
             }
-            Kind::Bare(..) | Kind::Polarised(..) => replicates.iter().map(|one| self.mean(one)).collect(),
+            Kind::Bare(..) | Kind::Stokes(_) | Kind::Polarised(..) => {
+                replicates.iter().map(|one| self.mean(one)).collect()
+            }
         };
         let (Kind::Bare(_, images) | Kind::Diffused(_, images) | Kind::Layered(_, images)) = &self.kind
         else {
@@ -337,6 +358,7 @@ impl<'a> Walk<'a> {
     fn mean(&self, replicate: &Replicate) -> Estimate {
         match (&self.kind, &replicate.tally) {
             (Kind::Bare(bare, _), Accumulator::Bare(tally, _)) => bare.estimate(tally, replicate.scale()),
+            (Kind::Stokes(stokes), Accumulator::Stokes(sums)) => stokes.estimate(sums, replicate.scale()),
             _ => Estimate::default(),
         }
     }
@@ -366,6 +388,7 @@ enum Accumulator {
     Bare(Box<bare::Accumulator>, images::Sums),
     Diffused(Box<diffused::Accumulator>, images::Sums),
     Layered(Box<layered::Accumulator>, images::Sums),
+    Stokes(Box<stokes::Sums>),
     Polarised(Box<[Replicate; 2]>),
 }
 

@@ -265,7 +265,7 @@ fn wavelengths_and_states_are_independent() {
             common: vec![0.0; bins.len()],
         };
         let albedo = spectrum(bins, [0.9, 1.0, 1.0]);
-        let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo };
+        let scattering = Scattering::unpolarised(1.0, 0.5, albedo);
         let slab = Medium::new(spectrum(bins, [1.5; 3])).with_scattering(scattering);
         let filter =
             Medium::new(spectrum(bins, [1.4, 1.45, 1.4])).with_transmittance(spectrum(bins, [0.8, 0.9, 1.0]));

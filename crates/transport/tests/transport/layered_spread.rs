@@ -260,7 +260,7 @@ fn light_that_is_not_covered_is_refused() {
         LayeredSpread::new(&thick(stack, &lengths), view(0.0), &sources, 0, &GO_ON).err()
     };
     let slab = stack([(Interface::Fresnel, 1.5)], lambertian(0.5));
-    let scattering = Scattering { optical_thickness: 1.0, anisotropy: 0.5, albedo: one(1.0) };
+    let scattering = Scattering::unpolarised(1.0, 0.5, one(1.0));
     let mut layers = slab.layers().to_vec();
     layers[0].medium = layers[0].medium.clone().with_scattering(scattering);
     let slab = Stack::general(layers, slab.base().clone());

@@ -29,7 +29,7 @@ fn clear(index: f64) -> Medium {
 }
 
 fn slab(index: f64, optical_thickness: f64, anisotropy: f64, albedo: f64) -> Medium {
-    clear(index).with_scattering(Scattering { optical_thickness, anisotropy, albedo: one(albedo) })
+    clear(index).with_scattering(Scattering::unpolarised(optical_thickness, anisotropy, one(albedo)))
 }
 
 /// A slab under air, with a Fresnel interface if the index changes.
@@ -314,7 +314,7 @@ pub(crate) fn coloured(bins: &[usize], lambertian: bool) -> Stack {
     let of =
         |values: [f64; 3]| -> Spectrum { bins.iter().map(|&bin| values[bin]).collect::<Vec<_>>().into() };
     let glass = Medium::new(of([1.48, 1.5, 1.55])).with_transmittance(of([0.9, 0.8, 1.0]));
-    let scattering = Scattering { optical_thickness: 0.8, anisotropy: 0.7, albedo: of([0.5, 0.9, 1.0]) };
+    let scattering = Scattering::unpolarised(0.8, 0.7, of([0.5, 0.9, 1.0]));
     let milk = Medium::new(of([1.4; 3])).with_scattering(scattering).with_transmittance(of([0.7, 1.0, 0.9]));
     let lobe = Lobe::KCorrelation { width: 0.2 };
     let diffuser = Diffuser { lobe, transmittance: of([0.9, 0.7, 0.5]), regular_fraction: 0.2 };

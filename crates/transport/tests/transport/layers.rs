@@ -19,7 +19,7 @@ pub(crate) fn clear(index: f64) -> Medium {
 
 pub(crate) fn slab(thickness: f64, anisotropy: f64, albedo: f64, index: f64) -> Medium {
     let albedo = one(albedo);
-    clear(index).with_scattering(Scattering { optical_thickness: thickness, anisotropy, albedo })
+    clear(index).with_scattering(Scattering::unpolarised(thickness, anisotropy, albedo))
 }
 
 pub(crate) fn stack<const N: usize>(layers: [(Interface, Medium); N], base: Base) -> Stack {

@@ -31,5 +31,6 @@ mod plain_campaign;
 mod reflecting;
 mod rough_surface;
 mod scatter_faces;
+mod stokes;
 mod strategies;
 mod wave_faces;

@@ -272,7 +272,7 @@ fn uniform_states_equal_the_uniform_walk() {
     let sources = [Source::Diffuse, beam, Source::Disc(Cone::new(-15.0, 0.0, 8.0, 1.0))];
     let component = Interface::component(one(0.1), one(0.02));
     let front = Layer::new(component, clear(1.0));
-    let slab = Scattering { optical_thickness: 1.5, anisotropy: 0.5, albedo: one(0.95) };
+    let slab = Scattering::unpolarised(1.5, 0.5, one(0.95));
     let milky = clear(1.5).with_scattering(slab).with_transmittance(one(0.9));
     let rough = Layer::new(Interface::Rough(Rough::new(0.3, 1.0, 1.5)), clear(1.5));
     let lobe = Layer::new(Interface::Diffuser(diffuser()), clear(1.5));

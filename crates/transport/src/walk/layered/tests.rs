@@ -45,7 +45,7 @@ fn slab(bins: usize, index: f64) -> Layer {
 
 fn slab_of(bins: usize, index: f64, optical_thickness: f64, albedo: f64) -> Layer {
     let of = |value: f64| -> papilio_spectra::Spectrum { vec![value; bins].into() };
-    let scattering = Scattering { optical_thickness, anisotropy: 0.9, albedo: of(albedo) };
+    let scattering = Scattering::unpolarised(optical_thickness, 0.9, of(albedo));
     let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
     Layer::new(interface, Medium::new(of(index)).with_scattering(scattering))
 }

@@ -14,7 +14,7 @@ use crate::common::{REPLICATES, assert_unbiased, mean_and_error, one, thick, vie
 #[test]
 fn exits_of_slabs_are_known() {
     let slab = |index: f64, thickness: f64, g: f64, albedo: f64| {
-        let scattering = Scattering { optical_thickness: thickness, anisotropy: g, albedo: one(albedo) };
+        let scattering = Scattering::unpolarised(thickness, g, one(albedo));
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
         Stack::general(vec![Layer::new(interface, medium)], paper(&[0.0]))
@@ -49,7 +49,7 @@ fn exits_of_slabs_are_known() {
 #[test]
 fn pencil_beams_spread_as_is_known() {
     let medium = |index: f64, thickness: f64, albedo: f64| {
-        let scattering = Scattering { optical_thickness: thickness, anisotropy: 0.0, albedo: one(albedo) };
+        let scattering = Scattering::unpolarised(thickness, 0.0, one(albedo));
         let interface = if index == 1.0 { Interface::Open } else { Interface::Fresnel };
         let medium = clear(index).with_scattering(scattering);
         Stack::general(vec![Layer::new(interface, medium)], paper(&[0.0]))
@@ -142,7 +142,7 @@ fn single_scattering_has_a_closed_form() {
         })
         .collect();
     let albedo = vec![0.8, 0.4];
-    let scattering = Scattering { optical_thickness: 30.0, anisotropy: 0.0, albedo: albedo.into() };
+    let scattering = Scattering::unpolarised(30.0, 0.0, albedo.into());
     let medium = Medium::new(vec![1.0, 1.0].into()).with_scattering(scattering);
     let base =
         Base { reflector: Reflector::lambertian(vec![0.0; 2], 2), inactive_absorptance: vec![0.0; 2].into() };

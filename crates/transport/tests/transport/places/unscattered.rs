@@ -18,7 +18,7 @@ fn layer(interface: Interface, medium: Medium) -> Layer {
 
 /// A slab that absorbs all that it deflects.
 fn absorber(optical_thickness: f64) -> Medium {
-    let scattering = Scattering { optical_thickness, anisotropy: 0.5, albedo: one(0.0) };
+    let scattering = Scattering::unpolarised(optical_thickness, 0.5, one(0.0));
     clear(1.5).with_scattering(scattering)
 }
 
