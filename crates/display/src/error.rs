@@ -43,6 +43,12 @@ pub enum DisplayError {
         /// What the display or the computation would have to be.
         needs: &'static str,
     },
+    /// Particles whose polarised light a computation does not follow.
+    #[error("`particles` of a slab need {needs}")]
+    Particles {
+        /// What the display or the computation would have to be.
+        needs: &'static str,
+    },
     /// An eye so close to a picture that it sees a part of it along the panel.
     #[error(
         "from `viewer.distance_mm` = {distance_mm} the reader sees a part of the picture at {theta_deg:.4} deg, along the panel (expected a larger distance, \

@@ -11,7 +11,8 @@
 //!   with the mirror. Polarised light and a polariser before the eye concern the run at the top alone ([`view`]).
 //!
 //! - above a liquid crystal, below flat layers alone, the whole coherency matrix of light is followed ([`is_whole`],
-//!   [`Mueller`](papilio_transport::Mueller)).
+//!   [`Mueller`](papilio_transport::Mueller));
+//! - in slabs of particles, the Stokes parameters of all light are followed by paths ([`check_particles`]).
 //!
 //! Where light meets one face only, the mean of s and p is exact, and nothing is done. That is so for ordinary panels
 //! of paper below a face, unless a sheet above reflects light back to it: sheets, given by their reflectance, are the
@@ -35,6 +36,33 @@ use crate::scene::{
 
 /// What polarised light needs where the display has a colour filter.
 const NO_FILTER: &str = "a display without a colour filter, or mirrors below flat layers: other polarised light from outside is not followed through one";
+
+/// What particles need of a computation.
+pub(crate) const PATHS: &str = "`papilio run` (or `sweep`, `optimize`) by method = \"monte-carlo\" (or \"auto\"): adding, and whatever computes places of light, maps, \
+                                BSDFs or derivatives, takes scattered light as unpolarised";
+
+/// Returns whether a slab of a display has particles whose polarised light is followed.
+pub(crate) fn has_particles(scene: &Scene) -> bool {
+    scene.display.layers.iter().any(|layer| layer.medium.particles.is_some())
+}
+
+/// Refuses slabs of particles where their polarised light is not followed. `is_run`: the colours of views are computed, by the scene's method.
+pub(crate) fn check_particles(scene: &Scene, is_run: bool) -> Result<(), DisplayError> {
+    let needs = if !has_particles(scene) {
+        return Ok(());
+    } else if !is_run || scene.solver.method == Method::Adding {
+        PATHS
+    } else if !is_followed(scene) {
+        "solver.approximation = \"none\" and angles in air or glass: other light has no polarisation"
+    } else if scene.display.filter().is_some() {
+        "a display without a colour filter: polarised light is not followed through one"
+    } else if matches!(scene.display.pixel, Pixel::Crystal(_)) {
+        "another pixel than a liquid crystal, whose changes of polarisation are not followed below a scatterer"
+    } else {
+        return Ok(());
+    };
+    Err(DisplayError::Particles { needs })
+}
 
 /// What of a scene is polarised.
 struct Asked {
@@ -71,11 +99,11 @@ impl Asked {
         };
         let why = if !is_followed(scene) {
             "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
-        } else if is_whole(scene) && has_coating(scene) {
-            "bare faces and components above a liquid crystal (or a scatterer): the phase between s and p in a coating is not followed"
+        } else if (is_whole(scene) || has_particles(scene)) && has_coating(scene) {
+            "bare faces and components above a liquid crystal (or a scatterer) and around particles: the phase between s and p in a coating is not followed"
         } else if scene.display.filter().is_some() && !is_flat_mirror(scene) {
             NO_FILTER
-        } else if !is_whole(scene)
+        } else if !(is_whole(scene) || has_particles(scene))
             && self.polariser_deg.is_some_and(is_oblique)
             && self.vibrations.iter().flatten().any(mixes)
         {
@@ -192,7 +220,7 @@ pub(crate) fn view(
 ) -> Result<Option<PolarisedView>, DisplayError> {
     let Some(asked) = Asked::of(scene) else { return Ok(None) };
     let asked = asked.check(scene)?;
-    if is_whole(scene) {
+    if is_whole(scene) || has_particles(scene) {
         let polariser = asked.polariser_deg.map(f64::to_radians);
         return Ok(Some(PolarisedView {
             whole: Some(WholeView { polariser, vibrations: asked.vibrations_of(scene) }),
@@ -231,7 +259,7 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
              unpolarised light; the perfect white is seen through it, too"
         ));
     }
-    if is_whole(scene) {
+    if is_whole(scene) || has_particles(scene) {
         return notes;
     }
     let is_flat = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
@@ -280,7 +308,8 @@ fn visible(scene: &Scene) -> Spectrum {
 /// # Errors
 /// As [`weights`].
 pub(crate) fn reaches_pixel(scene: &Scene) -> Result<bool, DisplayError> {
-    Ok(weights(scene)?.is_some() || has_mirror_run(scene))
+    let is_mirror_below_particles = has_particles(scene) && Meetings::with_mirror(scene, 0..0).is_some();
+    Ok(weights(scene)?.is_some() || is_mirror_below_particles || has_mirror_run(scene))
 }
 
 /// Returns whether they are kept apart by flat layers between a scatterer and the mirror.
@@ -288,6 +317,7 @@ fn has_mirror_run(scene: &Scene) -> bool {
     is_followed(scene)
         && scene.display.panel().is_none()
         && !is_whole(scene)
+        && !has_particles(scene)
         && runs(scene).iter().any(|run| run.meets_mirror)
 }
 
@@ -304,6 +334,9 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
         false => stack,
     };
     let is_panel = stack.panel().is_some();
+    if has_particles(scene) {
+        return of_particles(scene, stack, pixel);
+    }
     if weights.is_none() && (!is_followed(scene) || is_panel && !is_flat_paper(scene)) {
         return Ok(for_adding(stack));
     }
@@ -334,6 +367,21 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
     })
 }
 
+/// Returns the stack for the tracer of Stokes parameters: its coatings, and a mirror-like pixel, for light of s and of p.
+fn of_particles(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result<Stack, DisplayError> {
+    let is_coating =
+        |number: &usize| matches!(scene.display.layers[*number].interface, scene::Interface::Coating(_));
+    let one = |number: usize| Run { layers: number..number + 1, meets_mirror: false };
+    let coatings: Vec<Run> = (0..scene.display.layers.len()).filter(is_coating).map(one).collect();
+    let of = |polarisation| of_polarisation(scene, stack.layers(), polarisation);
+    let layers = in_runs(stack.layers(), [&of(Polarisation::S)?, &of(Polarisation::P)?], &coatings);
+    let stack = if coatings.is_empty() { stack } else { stack.with_runs(layers, None) };
+    Ok(match pixel {
+        Some(both) if stack.base().is_specular() => stack.with_mirrors_of_each(both),
+        _ => stack,
+    })
+}
+
 /// Returns a stack of flat layers, of mean light or of light of one polarisation, as one run if its pixel depends on azimuth: adding knows azimuths only
 /// in panels.
 fn with_azimuth(stack: Stack) -> Stack {
@@ -357,6 +405,7 @@ fn media_between(stack: &Stack) -> Vec<Medium> {
 /// # Errors
 /// With a polariser or polarised light, except for mirrors below flat layers without a colour filter.
 pub(crate) fn of_places(scene: &Scene) -> Result<Scene, DisplayError> {
+    check_particles(scene, false)?;
     if !is_flat_mirror(scene) || scene.display.filter().is_some() {
         check_unpolarised(scene)?;
     }

@@ -13,6 +13,7 @@ pub use papilio_colour::{Standard, Surround};
 pub use papilio_optics::berreman::{Part as CrystalPart, Slice as CrystalSlice};
 pub use papilio_optics::film::{SpectralLayer as FilmLayer, Thickness};
 pub use papilio_optics::lobe::Lobe;
+pub use papilio_optics::phase::Particles;
 pub use papilio_optics::rough::Distribution;
 pub use papilio_sampling::Sampler;
 use papilio_spectra::{Grid, LightSpectrum, Spectrum};
@@ -248,13 +249,15 @@ pub struct Medium {
     pub transmittance: Spectrum,
     /// Scattering in its volume; the index must then be constant.
     pub scattering: Option<Scattering>,
+    /// The particles that scatter, whose polarised light is followed; the anisotropy is then theirs.
+    pub particles: Option<Particles>,
 }
 
 impl Medium {
     /// A medium of this index that neither absorbs nor scatters.
     pub fn clear(index: Spectrum) -> Self {
         let transmittance = index.map(|_| 1.0);
-        Self { index, transmittance, scattering: None }
+        Self { index, transmittance, scattering: None, particles: None }
     }
 
     /// True if the medium neither absorbs nor scatters.

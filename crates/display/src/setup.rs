@@ -20,7 +20,7 @@ use papilio_spectra::Spectrum;
 use papilio_transport::adding::Kernel;
 use papilio_transport::{
     Approximation, Base, Cone, Interface, Layer, Medium, MuellerByDirection, NotAPanel, ReflectanceFactor,
-    Reflector, Source, Stack,
+    Reflector, Scattering, Source, Stack,
 };
 
 pub(crate) use self::lights::{Light, LineWeights};
@@ -137,6 +137,7 @@ impl Setup {
         towards: Towards,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
+        polarisation::check_particles(scene, towards == Towards::Views)?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
@@ -219,6 +220,7 @@ impl Setup {
         towards: Towards,
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
+        polarisation::check_particles(scene, towards == Towards::Views)?;
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -230,6 +232,7 @@ impl Setup {
             || polarisation::needs_whole(scene) != polarisation::needs_whole(&last)
             || apart && self.stack.polarised_bases().is_none() && self.stack.mueller().is_none()
             || !apart && self.stack.polarised_bases().is_some()
+            || polarisation::has_particles(scene) != polarisation::has_particles(&last)
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         // Adding has a form of its own for flat layers above a pixel that depends on azimuth.
         let azimuth_changed =
@@ -537,9 +540,13 @@ fn layers(
         };
         above = &layer.medium.index;
         let medium = Medium::new(above.clone()).with_transmittance(layer.medium.transmittance.clone());
-        let medium = match &layer.medium.scattering {
-            Some(scattering) => medium.with_scattering(scattering.clone()),
-            None => medium,
+        let medium = match (&layer.medium.scattering, layer.medium.particles) {
+            (Some(slab), Some(particles)) => {
+                let (thickness, albedo) = (slab.optical_thickness, slab.albedo.clone());
+                medium.with_scattering(Scattering::polarised(thickness, particles.matrix(), albedo))
+            }
+            (Some(slab), None) => medium.with_scattering(slab.clone()),
+            (None, _) => medium,
         };
         made.push(Layer::new(interface, medium));
     }

@@ -64,6 +64,8 @@ pub(crate) fn tables() -> Vec<(&'static str, Vec<Row>)> {
         ("display.diffuser microgeometry", diffuser::FaceOfSurface::rows()),
         ("display.diffuser measured", diffuser::Measured::rows()),
         ("display.diffuser slab", diffuser::Slab::rows()),
+        ("particles rayleigh", diffuser::Molecules::rows()),
+        ("particles mie", diffuser::Spheres::rows()),
         ("display.diffuser.reflection", diffuser::Reflection::rows()),
         ("display.diffuser.reflection.below", diffuser::ReflectionBelow::rows()),
         ("display.glass", display::Glass::rows()),

@@ -372,6 +372,16 @@ impl Resolved {
                     .hint(format!("remove {key}"));
                 (key, wrong.into())
             }
+            DisplayError::Particles { needs } => {
+                let layers = (0..self.scene.display.layers.len())
+                    .map(|number| format!("display.layers.{number}.particles"));
+                let mut keys = std::iter::once("display.diffuser.particles".to_owned()).chain(layers);
+                source = keys.find(|key| self.written.root.at(key).is_some()).unwrap_or_default();
+                let wrong = Diagnostic::new("the polarised light of particles is not possible here")
+                    .expected(*needs)
+                    .hint("use `anisotropy` instead of `particles`: what it scatters counts as unpolarised");
+                (&source, wrong.into())
+            }
             DisplayError::SparkleOfPoint { number } => {
                 source = format!("lighting.directed.{number}");
                 let mut wrong = mistake::missing_key("radius_deg", "the angular radius of the lamp, degrees");
@@ -672,6 +682,7 @@ fn located_key(error: &DisplayError) -> Option<&'static str> {
         // Those that `located` describes.
         E::ApertureInDirectedLight
         | E::Polarised { .. }
+        | E::Particles { .. }
         | E::TooClose { .. }
         | E::Fringes { .. }
         | E::Surface { .. }

@@ -90,7 +90,7 @@ fn answer_of_one_view_is_that_among_all_views() {
     }
 }
 
-/// Every example and every preset has a live result. That of the face by waves, with twenty lobes at each
+/// Every example and every preset but one has a live result. That of the face by waves, with twenty lobes at each
 /// wavelength, takes ten seconds of the twenty that the page allows, and a liquid crystal below a haze film some of them:
 /// every day, they have fewer wavelengths, views and directions.
 #[test]
@@ -113,7 +113,9 @@ fn every_example_and_preset_computes() {
             assert!(one["summary"].as_str().unwrap().len() > 10, "{name}");
             let scenario = server.get(&format!("/api/v1/{list}/{name}")).json()["scenario"].clone();
             let answer = server.post("/live", &json!({ "scenario": scenario, "edits": edits(name) }));
-            assert_eq!(answer.status, 200, "{name}: {}", String::from_utf8_lossy(&answer.body));
+            // Live results are by adding, which refuses particles whose polarised light is followed.
+            let status = if name == "rayleigh-film" { 422 } else { 200 };
+            assert_eq!(answer.status, status, "{name}: {}", String::from_utf8_lossy(&answer.body));
         }
     }
     assert_eq!(server.get("/api/v1/examples/nothing").status, 404);

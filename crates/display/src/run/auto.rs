@@ -105,8 +105,8 @@ fn setup_of(scene: &Scene, control: &Control<'_>) -> Result<Setup, DisplayError>
 
 /// Returns whether an error of adding is none of Monte Carlo.
 fn is_for_monte_carlo(error: &DisplayError) -> bool {
-    use DisplayError::{Azimuth, TooNarrow, TooNarrowInField};
-    matches!(error, Azimuth { .. } | TooNarrow { .. } | TooNarrowInField { .. })
+    use DisplayError::{Azimuth, Particles, TooNarrow, TooNarrowInField};
+    matches!(error, Azimuth { .. } | Particles { .. } | TooNarrow { .. } | TooNarrowInField { .. })
 }
 
 /// Returns whether adding takes so little work that its exact answer needs no first answer.

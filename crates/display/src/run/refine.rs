@@ -11,6 +11,7 @@ use papilio_transport::{Cone, Diffuser, Panel, Reflector, Source, Stack, Top};
 use crate::DisplayError;
 use crate::meter::relative;
 use crate::pixel::{AZIMUTH_BELOW_SCATTERER, state_names};
+use crate::polarisation;
 use crate::scene::{Pixel, Scene};
 use crate::setup::{Setup, layers_alone};
 
@@ -33,6 +34,9 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 /// depends on azimuth, and it is not one diffuser that is given by its lobe.
 pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
     let stack = &setup.stack;
+    if stack.has_phase_matrix() {
+        return Err(DisplayError::Particles { needs: polarisation::PATHS });
+    }
     if !stack.adding_knows_azimuth() {
         // Two levels are needed; further ones are computed where they fit.
         let fits = |level: &u32| azimuthal_work(setup, *level).is_some();

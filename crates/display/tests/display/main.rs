@@ -35,6 +35,7 @@ mod microgeometry;
 mod mirrors_kept_apart;
 mod mtf;
 mod one_model;
+mod particles;
 mod picture;
 mod picture_samples;
 mod placed;

@@ -4,8 +4,8 @@ use papilio_optics::scatter::Normalisation;
 
 use super::display::{MaterialSpec, ShareSpectrum};
 use super::numbers::{
-    AirGap, Anisotropy, Blur, Count, InnerShare, OpticalThickness, RmsHeight, Share, Slope, SurfaceLength,
-    Thickness, Width,
+    AirGap, Anisotropy, Blur, Count, DepolarisationFactor, EffectiveVariance, InnerShare, OpticalThickness,
+    ParticleRadius, RmsHeight, Share, Slope, SphereIndex, SurfaceLength, Thickness, Width,
 };
 use crate::grammar::{choice, kinds, table};
 use crate::origin::Origin;
@@ -336,13 +336,46 @@ table! {
     }
 }
 
+kinds! {
+    /// Particles, whose polarised light is followed by the Monte Carlo solver; their keys depend on `kind`.
+    Particles by "kind" {
+        /// Molecules and other particles much smaller than the wavelength.
+        Rayleigh(Molecules) = "rayleigh",
+        /// Spheres, by Mie's theory.
+        Mie(Spheres) = "mie",
+    }
+}
+
 table! {
-    /// Volume scattering (Henyey-Greenstein) in a medium of one index.
+    /// Molecules and other particles much smaller than the wavelength.
+    Molecules {
+        /// Ratio of p to s in unpolarised light that is scattered by 90 deg: 0 for isotropic particles, 0.028 in air.
+        depolarisation_factor: DepolarisationFactor = DepolarisationFactor(0.0),
+    }
+}
+
+table! {
+    /// Spheres, by Mie's theory at 550 nm.
+    Spheres {
+        /// Effective radius: the mean weighted by the areas.
+        radius_um as "Radius": ParticleRadius,
+        /// Refractive index of the spheres at 550 nm.
+        index as "Refractive index": SphereIndex,
+        /// Effective variance of a log-normal distribution of the radii; 0: all are equal.
+        variance as "Effective variance": EffectiveVariance = EffectiveVariance(0.0),
+    }
+}
+
+table! {
+    /// Volume scattering in a medium of one index.
     Slab {
         /// Extinction tau along the normal: the fraction exp(-tau) of the light passes unscattered.
         optical_thickness: OpticalThickness,
-        /// Mean cosine of the scattering angle (Henyey-Greenstein): 0 is isotropic, above 0 forward.
-        anisotropy as "Anisotropy g": Anisotropy,
+        /// Mean cosine of the scattering angle (Henyey-Greenstein), whose light leaves unpolarised: 0 is isotropic, above 0
+        /// forward; or `particles`.
+        anisotropy as "Anisotropy g": Option<Anisotropy>,
+        /// The particles, whose polarised light is followed, by the Monte Carlo solver; or `anisotropy`.
+        particles: Option<Particles>,
         /// Fraction of the extinguished light that is scattered; the rest is absorbed.
         albedo: ShareSpectrum = ShareSpectrum::Constant(Share(1.0)),
         /// Refractive index of the binder: real, 1 to 10, the same at all wavelengths. Default: 1.5, or that

@@ -211,6 +211,22 @@ number!(
     Anisotropy, Range::from_to(-0.99, 0.99).unit("mean cosine")
 );
 number!(
+    /// The depolarisation factor of molecules.
+    DepolarisationFactor, Range::from_to(0.0, 0.5)
+);
+number!(
+    /// The radius of particles by Mie's theory, um.
+    ParticleRadius, Range::from_to(0.001, 5.0).unit("um")
+);
+number!(
+    /// The refractive index of spheres.
+    SphereIndex, Range::from_to(0.1, 10.0).unit("refractive index")
+);
+number!(
+    /// The effective variance of the radii of particles.
+    EffectiveVariance, Range::from_to(0.0, 0.3)
+);
+number!(
     /// The roughness of an interface.
     Roughness, Range::from_to(0.001, 1.0).unit("roughness")
 );

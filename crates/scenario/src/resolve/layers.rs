@@ -6,8 +6,8 @@ use num_complex::Complex64;
 use papilio_diagnostics::{Diagnostic, number};
 use papilio_display::THICKEST_FOR_MONTE_CARLO;
 use papilio_display::scene::{
-    Coating, Depolarisation, FilmLayer, Interface, Layer, Length, Medium, Method, Ready, Scattering,
-    Thickness,
+    Coating, Depolarisation, FilmLayer, Interface, Layer, Length, Medium, Method, Particles, Ready,
+    Scattering, Thickness,
 };
 use papilio_spectra::Spectrum;
 
@@ -15,13 +15,13 @@ use super::Resolver;
 use super::rough::slopes;
 use super::stack::Stack;
 use crate::describe::File;
-use crate::describe::diffuser::{Btdf, Diffuser, Slab};
+use crate::describe::diffuser::{self, Btdf, Diffuser, Slab};
 use crate::describe::display::{Display, MaterialSpec, ShareSpectrum};
 use crate::describe::layers as describe;
 use crate::describe::numbers;
 use crate::mistake::{self, tidy};
 use crate::origin::Origin;
-use crate::read::Spanned;
+use crate::read::{Read, Spanned};
 
 /// Largest k of a clear medium.
 const CLEAR_K: f64 = 1e-6;
@@ -30,6 +30,8 @@ const CLEAR_K: f64 = 1e-6;
 const ABSORBING_K: f64 = 1e-3;
 /// Largest number of layers.
 const MOST_LAYERS: usize = 64;
+/// Wavelength of the particles' scattering, um.
+const PARTICLES_AT_UM: f64 = 0.55;
 /// Nanometres in a millimetre.
 const NM_PER_MM: f64 = 1e6;
 
@@ -219,7 +221,7 @@ impl Resolver<'_> {
                 Part::Medium(self.medium(path, &medium.index, absorption)?, length, medium.index.origin)
             }
             describe::Layer::Slab(slab) => {
-                Part::Medium(self.slab(path, slab)?, length(path, &slab.thickness_mm), slab.index.origin)
+                Part::Medium(self.slab(path, slab, at)?, length(path, &slab.thickness_mm), slab.index.origin)
             }
             describe::Layer::Diffuser(diffuser) => return Some(Resolved::Diffuser(diffuser)),
             describe::Layer::Component(component) => {
@@ -267,7 +269,7 @@ impl Resolver<'_> {
             (None, None) => Spectrum::constant(&self.grid, 1.0),
         };
         let index = Spectrum::from_values(index.iter().map(|index| index.re).collect());
-        Some(Medium { index, transmittance, scattering: None })
+        Some(Medium { index, transmittance, scattering: None, particles: None })
     }
 
     /// Computes exp(-4 pi k d / wavelength) with k of `index`.
@@ -288,7 +290,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves a slab of particles in a binder.
-    pub(super) fn slab(&mut self, path: &str, slab: &Slab) -> Option<Medium> {
+    pub(super) fn slab(&mut self, path: &str, slab: &Slab, at: Origin) -> Option<Medium> {
         let own = |value, origin| Spanned { value, origin };
         let binder = match (&slab.index.value, slab.faces.value) {
             (Some(_), false) => {
@@ -316,7 +318,23 @@ impl Resolver<'_> {
             self.err(&binder, wrong);
             return None;
         }
-        let (optical_thickness, anisotropy) = (slab.optical_thickness.0, slab.anisotropy.0);
+        let optical_thickness = slab.optical_thickness.0;
+        let (anisotropy, particles) = match (&slab.anisotropy.value, &slab.particles.value) {
+            (Some(anisotropy), None) => (anisotropy.0, None),
+            (None, Some(particles)) => (0.0, Some(self.particles(particles, n[0])?)),
+            (Some(_), Some(_)) => {
+                let wrong = Diagnostic::new("both `anisotropy` and `particles` are given")
+                    .expected("one of them")
+                    .hint("remove `anisotropy`: it follows from the particles");
+                self.errors.push(slab.anisotropy.origin.or_override([slab.particles.origin]), wrong);
+                return None;
+            }
+            (None, None) => {
+                let expected = format!("{}, or `particles`", numbers::Anisotropy::in_words());
+                self.errors.push(at, mistake::missing_key("anisotropy", expected));
+                return None;
+            }
+        };
         if anisotropy != 0.0 {
             let reduced = tidy((1.0 - anisotropy) * optical_thickness);
             self.notes.push(format!(
@@ -331,7 +349,34 @@ impl Resolver<'_> {
             index: n,
             transmittance: Spectrum::constant(&self.grid, 1.0),
             scattering: Some(Scattering::unpolarised(optical_thickness, anisotropy, albedo)),
+            particles,
         })
+    }
+
+    /// Resolves particles in a binder of this index.
+    fn particles(&mut self, particles: &diffuser::Particles, binder: f64) -> Option<Particles> {
+        match particles {
+            diffuser::Particles::Rayleigh(molecules) => {
+                Some(Particles::Molecules { depolarisation: molecules.depolarisation_factor.0 })
+            }
+            diffuser::Particles::Mie(spheres) => {
+                let per_um = 2.0 * PI * binder / PARTICLES_AT_UM;
+                let size_parameter = per_um * spheres.radius_um.0;
+                if size_parameter > Particles::LARGEST_SIZE {
+                    let most = tidy(Particles::LARGEST_SIZE / per_um);
+                    let wrong = Diagnostic::new(format!(
+                        "spheres of {} um have a size parameter of {size_parameter:.0} in this binder",
+                        spheres.radius_um.0
+                    ))
+                    .expected(format!("at most {}: a radius of {most} um", Particles::LARGEST_SIZE))
+                    .hint("larger spheres scatter as rays do: use `anisotropy`");
+                    self.errors.push(spheres.radius_um.origin, wrong);
+                    return None;
+                }
+                let index = Complex64::new(spheres.index.0 / binder, 0.0);
+                Some(Particles::Spheres { size_parameter, index, variance: spheres.variance.0 })
+            }
+        }
     }
 
     /// Refuses slabs that are too thick for the Monte Carlo solver.

@@ -101,7 +101,7 @@ impl Resolver<'_> {
             None => Some(vec![Part::Interface(glass?.1.clone().into())]),
             Some(Diffuser::Slab(slab)) => {
                 let length = length(path, &slab.thickness_mm);
-                let slab = self.slab(path, slab)?;
+                let slab = self.slab(path, slab, display.diffuser.origin)?;
                 let slab = Part::Medium(slab, length, Origin::FILE);
                 Some(vec![Part::Interface(Ready::Fresnel.into()), slab])
             }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 use std::path::Path;
 
 use crate::common::{GOOD, LAYERED, NO_REFLECTION, changed, changed_in, resolve};
-use papilio_display::scene::{Distribution, Interface, Layer, Lobe, Ready, Thickness};
+use papilio_display::scene::{Distribution, Interface, Layer, Lobe, Particles, Ready, Thickness};
 use papilio_scenario::Resolved;
 
 fn resolved(text: &str, sets: &[&str]) -> Resolved {
@@ -138,6 +138,39 @@ fn slab_as_diffuser_has_interfaces() {
     assert_eq!(layers(&["display.diffuser.index=1"]), [("sheet", 1.0), ("open", 1.0), ("fresnel", 1.5)]);
     let scattering = layers_of(&resolved(&text, &[]))[1].medium.scattering.clone().unwrap();
     assert!(scattering.albedo.iter().all(|albedo| *albedo == 1.0));
+}
+
+/// Spheres have the size parameter and the relative index that they have in their binder; exactly one of `anisotropy` and `particles` is given.
+#[test]
+fn particles_are_those_of_their_binder() {
+    let with =
+        |keys: &str| changed(&[("model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9", keys)]);
+    let slab = "model = \"slab\"\noptical_thickness = 1\n";
+    let spheres =
+        with(&format!("{slab}particles = {{ kind = \"mie\", radius_um = 0.55, index = 3, variance = 0.1 }}"));
+    let all = resolved(&spheres, &[]);
+    let Some(Particles::Spheres { size_parameter, index, variance }) = layers_of(&all)[1].medium.particles
+    else {
+        panic!("spheres")
+    };
+    assert!((size_parameter - 3.0 * PI).abs() < 1e-12 && index.re == 2.0 && variance == 0.1);
+    let molecules = with(&format!("{slab}particles = {{ kind = \"rayleigh\" }}"));
+    let all = resolved(&molecules, &["display.diffuser.particles.depolarisation_factor=0.1"]);
+    assert_eq!(layers_of(&all)[1].medium.particles, Some(Particles::Molecules { depolarisation: 0.1 }));
+    let (neither, large) = (with(slab), spheres.replace("0.55", "5"));
+    for (text, set, says) in [
+        (&neither, None, "the key `anisotropy` is missing"),
+        (&molecules, Some("display.diffuser.anisotropy=0"), "both `anisotropy` and `particles` are given"),
+        (
+            &large,
+            Some("display.diffuser.index=2"),
+            "spheres of 5 um have a size parameter of 114 in this binder",
+        ),
+    ] {
+        let errors = resolve(text, Path::new(""), set.as_slice()).unwrap_err();
+        assert!(errors.to_string().contains(says), "{errors}");
+    }
+    assert!(resolve(&large, Path::new(""), &[]).is_ok());
 }
 
 #[test]
@@ -511,7 +544,9 @@ fn canonical_form_reads_back_with_the_same_hash() {
         "model = \"k-correlation\"\nhaze = 0.78\ntotal_transmittance = 0.9",
         "model = \"slab\"\noptical_thickness = 1\nanisotropy = 0.9",
     )]);
-    for text in [LAYERED, &slab] {
+    let particles =
+        slab.replace("anisotropy = 0.9", "particles = { kind = \"mie\", radius_um = 1, index = 1.6 }");
+    for text in [LAYERED, &slab, &particles] {
         let first = resolved(text, &[]);
         let mut canonical = first.canonical.clone();
         canonical.as_object_mut().unwrap().remove("inputs");

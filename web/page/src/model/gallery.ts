@@ -11,7 +11,7 @@ export interface Group {
 export const GROUPS: readonly Group[] = [
   { name: "Interferometric displays", icon: "film", examples: ["indoor", "sunny", "overcast", "reference-pixel", "nanochannels", "table-pixel"] },
   { name: "Electronic paper", icon: "inks", examples: ["epaper", "six-ink", "printed-filter", "reader", "laminated-text", "epaper-measured", "epaper-reading", "paper"] },
-  { name: "Liquid crystals and polarised light", icon: "cell", examples: ["mip-lcd", "mip-lcd-haze", "mip-lcd-colour", "mip-lcd-cover", "lcd-voltage", "stn", "lcd-sunglasses", "cholesteric", "circular-polariser", "polarised-sky", "sunglasses"] },
+  { name: "Liquid crystals and polarised light", icon: "cell", examples: ["mip-lcd", "mip-lcd-haze", "mip-lcd-colour", "mip-lcd-cover", "lcd-voltage", "stn", "lcd-sunglasses", "cholesteric", "circular-polariser", "polarised-sky", "sunglasses", "rayleigh-film"] },
   { name: "How does it look?", icon: "eye", examples: ["page", "halftone", "display-white", "readability", "readability-age", "angle-scan", "double-image"] },
   { name: "Which room, which lamp?", icon: "lamp", examples: ["lamps", "front-light", "front-light-sweep", "downlight", "luminaire", "ring", "sky", "map", "map-regions", "spectral-map", "own-lamp", "metrics"] },
   { name: "Which face, which glass?", icon: "face", examples: ["antiglare", "etched-face", "rough-glass", "cover-glass", "hazy-face", "two-diffusers", "slab", "ward", "reflecting-diffuser"] },

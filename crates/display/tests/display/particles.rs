@@ -1,0 +1,79 @@
+//! Slabs of particles whose polarised light is followed: closed forms, adding where particles are too few to count, and what is refused.
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::result::RunResult;
+use papilio_display::scene::Scene;
+use papilio_display::{BrdfGrid, ConeGrid, Control, DisplayError};
+
+use crate::common::{run, scenario};
+
+/// A bare substrate of n = 4 below a film as the pixel.
+const FILM: &str = "display.pixel={ model = \"film\", substrate = { n = 4, k = 0 }, area = { red = 1.0 }, gap_nm = { red = 120, dark = 0 }, \
+    default_states = false, states = { white = { red = 1.0 }, black = { red = 0.0 } }, \
+    film = [{ material = 2.0, thickness_nm = 60 }, { material = \"air\", thickness_nm = \"gap\" }] }";
+
+const GRID: [&str; 2] = ["spectrum.range_nm=[500,600]", "spectrum.step_nm=50"];
+
+fn of(sets: &[&str]) -> Scene {
+    scenario("rayleigh-film", &[&GRID[..], sets].concat()).unwrap().scene
+}
+
+/// Luminance factors of the states, with their standard errors.
+fn ys(result: &RunResult) -> Vec<(f64, f64)> {
+    result.views[0].states.0.iter().map(|(_, state)| (state.value.Y, state.standard_error.Y)).collect()
+}
+
+/// Light that a thin cloud scatters once by 90 deg vibrates across the scattering plane, and is seen through a polariser there with twice the
+/// brightness of a white that is seen through it, too.
+#[test]
+fn thin_cloud_is_polarised_across_the_scattering_plane() {
+    let cloud = "display.layers=[{ kind = \"slab\", optical_thickness = 0.01, particles = { kind = \"rayleigh\" }, faces = false }]";
+    let y = |polariser: &str| ys(&run(&of(&[cloud, polariser, "solver.paths=40000"])).unwrap())[0].0;
+    let [mu, mu0] = [30.0_f64, 60.0].map(|theta| theta.to_radians().cos());
+    let once = PI * 3.0 / (16.0 * PI) * -(-0.01 * (1.0 / mu + 1.0 / mu0)).exp_m1() / (mu + mu0);
+    let [across, along] = ["viewer.polariser=s", "viewer.polariser=p"].map(y);
+    // Light that is scattered again: some per cent of it, in both.
+    assert!((across / (2.0 * once) - 1.0).abs() < 0.04, "{across} {once}");
+    assert!(along < 0.03 * across, "{along} {across}");
+}
+
+/// With too few particles to count, a display is that which adding computes, with s and p kept apart to a film pixel: a polariser at an angle below a bare
+/// face, and a coating.
+#[test]
+fn display_with_hardly_any_particles_is_that_of_adding() {
+    let few = "{ kind = \"slab\", optical_thickness = 1e-6, particles = { kind = \"mie\", radius_um = 0.2, index = 1.8 }, index = 1.5 }";
+    let clear = "{ kind = \"medium\", index = 1.5 }";
+    let coating = "{ kind = \"coating\", film = [{ material = 1.38, thickness_nm = 100 }] }, ";
+    let pane = "{ kind = \"medium\", index = 1.5 }, { kind = \"medium\", index = 1.0 }, ";
+    for (above, polariser) in [(pane, "viewer.polariser=30"), (coating, "viewer.field_deg=0")] {
+        let light = ["lighting={ diffuse = 1 }", "viewer.theta_deg=65", FILM, polariser];
+        let polariser_alone: &[&str] = if above == coating { &["viewer={ theta_deg = 65 }"] } else { &[] };
+        let layers = |medium: &str| format!("display.layers=[{above}{medium}]");
+        let with = |layers: &str, method: &str| {
+            ys(&run(&of(&[&light[..], &[layers, method], polariser_alone].concat())).unwrap())
+        };
+        let found = with(&layers(few), "solver.paths=10000");
+        let truth = with(&layers(clear), "solver={ method = \"adding\" }");
+        for ((y, error), (truth, _)) in found.into_iter().zip(truth) {
+            assert!((y - truth).abs() < 4.0 * error + 1e-5 && error < 0.02, "{above}: {y} {error} {truth}");
+        }
+    }
+}
+
+/// Adding, and what computes more than colours of views, says that it takes scattered light as unpolarised; `auto` takes paths.
+#[test]
+fn particles_are_for_runs_by_paths() {
+    let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let refused = |error: DisplayError| assert!(matches!(error, DisplayError::Particles { .. }), "{error}");
+    refused(run(&of(&["solver={ method = \"adding\" }"])).unwrap_err());
+    refused(run(&of(&["solver.approximation=unpolarised"])).unwrap_err());
+    refused(papilio_display::cone(&of(&[]), ConeGrid::default(), &control).unwrap_err());
+    refused(papilio_display::brdf(&of(&[]), BrdfGrid::even(30.0), &control).unwrap_err());
+    let result = run(&of(&["solver={ method = \"auto\", relative_error = 0.05 }"])).unwrap();
+    assert_eq!(result.solver.method, "monte-carlo");
+    let ledger = &result.views[0].ledger.0[0].1;
+    // Scattered back, or absorbed below.
+    assert!(ledger.returned > 0.05 && ledger.absorbed.pixel > 0.6, "{ledger:?}");
+}
