@@ -95,9 +95,9 @@ fn density_is_reciprocal_for_all_directions() {
 fn scattered_light_sums_to_one() {
     use Distribution::{Beckmann, Ggx};
     let [heavy, light] = [2.4, 8.0].map(|tail| Distribution::StudentT { tail });
-    for (distribution, alpha) in
-        [(Ggx, 0.05), (Ggx, 0.2), (Ggx, 0.5), (Ggx, 1.0), (Beckmann, 0.5), (heavy, 0.2), (light, 0.5)]
-    {
+    let faces =
+        [(Ggx, 0.2), (Beckmann, 0.5), (heavy, 0.2), (Ggx, 1.0), (light, 0.5), (Ggx, 0.5), (Ggx, 0.05)];
+    for (distribution, alpha) in everyday(4, faces) {
         let face = Rough::with(distribution, alpha, 1.0, 1.5);
         // Wide lobes need few points.
         let steps = match alpha {
@@ -161,7 +161,7 @@ fn samples_follow_density() {
         (Ggx, 1.0, 1.0, 1.5),
         (Ggx, 0.3, 1.0, 1.5),
     ];
-    for (distribution, alpha, above, below) in everyday(5, faces) {
+    for (distribution, alpha, above, below) in everyday(4, faces) {
         let face = Rough::with(distribution, alpha, above, below);
         for from in SIDES {
             for theta_deg in [0.0, 40.0, 80.0] {
