@@ -10,7 +10,7 @@ use papilio_testing::sized;
 use crate::common::{NO_REFLECTION, shipped};
 
 /// Scenarios that take long and are like others: of a measured diffuser, a surface, a map of light.
-const LIKE_OTHERS: [&str; 3] = ["measured-h78", "etched-face", "map"];
+pub(crate) const LIKE_OTHERS: [&str; 3] = ["measured-h78", "etched-face", "map"];
 
 /// The shipped scenarios, resolved once for all tests: measured diffusers and surfaces take long.
 static RESOLVED: LazyLock<Vec<(PathBuf, Resolved)>> = LazyLock::new(|| {

@@ -173,7 +173,7 @@ fn mutated_scenarios_do_not_panic() {
         // mutate files of BSDFs for long, there is time for 25 times as many of these.
         let is_slow = [".bsdf\"", ".hdr\"", "surface = "].iter().any(|end| text.contains(end));
         let has_time = std::env::var_os("PAPILIO_FUZZ_SECONDS").is_some();
-        let times = if is_slow { sized(2, 6) } else { sized(20, 60) } * if has_time { 25 } else { 1 };
+        let times = if is_slow { sized(2, 6) } else { sized(10, 60) } * if has_time { 25 } else { 1 };
         for _ in 0..times {
             let mut bytes = text.clone().into_bytes();
             for _ in 0..=numbers.below(3) {
