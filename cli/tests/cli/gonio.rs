@@ -152,7 +152,7 @@ fn an_interrupted_measurement_is_resumed() {
     let [resumed, at_once, preview] = ["resumed", "at-once", "preview"].map(|name| folder.path().join(name));
     let command = |out: &Path, more: &[&str]| {
         let mut command = papilio();
-        command.arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=9600"]);
+        command.arg("gonio").arg(&surface).args(["--set", "microgeometry.rays=6400"]);
         command.args(["--set", "microgeometry.incidence_deg=[0]", "--threads", "1"]).args(more);
         command.arg("--out").arg(out).stdout(Stdio::piped()).stderr(Stdio::piped());
         command

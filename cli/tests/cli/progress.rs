@@ -43,9 +43,11 @@ fn progress_never_goes_back() {
 fn progress_of_tables_says_what_is_done() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
-    let coarse = ["--set", "spectrum.step_nm=40", "--step", "15", "--out", out];
+    let coarse = ["--set", "spectrum.step_nm=80", "--out", out];
     let file = scenario("indoor").display().to_string();
-    for (more, unit) in [(&[][..], "rows"), (&["--format", "radiant"][..], "parts")] {
+    for (more, unit) in
+        [(&["--step", "15"][..], "rows"), (&["--step", "30", "--format", "radiant"][..], "parts")]
+    {
         let lines = never_back(&[&["brdf", &file], &coarse[..], more].concat());
         let of_table = lines.iter().filter(|line| line.contains(&format!("{unit} done")));
         assert!(of_table.clone().count() > 0, "{lines:#?}");

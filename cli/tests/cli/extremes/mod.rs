@@ -31,8 +31,8 @@ use self::record::Record;
 pub(crate) use self::watch::papilio;
 use self::watch::{End, watch};
 
-/// Of the runs of every day's test, one in so many.
-const EVERYDAY: u32 = 400;
+/// Of the runs of every day's test, one in so many: of `run` and `gonio`, and of the other commands.
+const EVERYDAY: [u32; 2] = [400, 800];
 
 /// A command, and the files whose keys are tried with it.
 struct Tried {
@@ -143,6 +143,7 @@ fn examples(folder: &str) -> Vec<PathBuf> {
 /// Cases of one command: those of every day's test are a few at random, the same ones each day.
 struct Cases {
     wanted: Option<String>,
+    everyday: u32,
     dice: Dice,
     record: Record,
     picture: String,
@@ -154,11 +155,12 @@ struct Cases {
 }
 
 impl Cases {
-    fn new(name: &str) -> Self {
+    fn new(name: &str, everyday: u32) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/data/synthetic-film.csv");
         Self {
             wanted: std::env::var("PAPILIO_EXTREMES").ok(),
+            everyday,
             dice: Dice::new(0x6578_7472, 0),
             record: Record::open(name),
             picture: picture_in(folder.path()),
@@ -188,7 +190,7 @@ impl Cases {
         let name = format!("{command} {stem} {} {}", sets.join(" "), options.join(" "));
         let is_tried = match &self.wanted {
             Some(wanted) => name.contains(wanted.as_str()),
-            None => !sized(!self.dice.one_in(EVERYDAY), false),
+            None => !sized(!self.dice.one_in(self.everyday), false),
         };
         if !is_tried || self.record.has(&name) {
             return;
@@ -253,7 +255,7 @@ impl Cases {
 #[test]
 fn run_survives_every_number() {
     let tried = Tried { command: "run", files: &[], sets: &[], not: &OF_COMMANDS };
-    let mut cases = Cases::new("run");
+    let mut cases = Cases::new("run", EVERYDAY[0]);
     cases.keys(&tried, &examples("scenarios"), schema(), false);
     cases.options(&tried, &scenario_files(&["indoor"])[0]);
     cases.conclude();
@@ -263,7 +265,7 @@ fn run_survives_every_number() {
 #[test]
 fn gonio_survives_every_number() {
     let tried = Tried { command: "gonio", files: &[], sets: &["microgeometry.rays=64"], not: &[] };
-    let mut cases = Cases::new("gonio");
+    let mut cases = Cases::new("gonio", EVERYDAY[0]);
     cases.keys(&tried, &examples("surfaces"), surface_schema(), true);
     cases.conclude();
 }
@@ -271,7 +273,7 @@ fn gonio_survives_every_number() {
 #[test]
 fn other_commands_survive_every_number() {
     let only = std::env::var("PAPILIO_EXTREMES_COMMAND").unwrap_or_default();
-    let mut cases = Cases::new("others");
+    let mut cases = Cases::new("others", EVERYDAY[1]);
     for tried in COMMANDS.iter().filter(|tried| tried.command.starts_with(&only)) {
         let files = scenario_files(tried.files);
         cases.keys(tried, &files, schema(), false);

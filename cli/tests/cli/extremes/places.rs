@@ -118,7 +118,7 @@ fn places_survive_every_length() {
         "viewer.text_height_mm=1e-3",
     ]
     .map(str::to_owned);
-    let everyday = ["thickness_mm=1e-300", "thickness_mm=1e-9", "thickness_mm=1e3"];
+    let everyday = ["thickness_mm=1e-300", "thickness_mm=1e3"];
     let mut wrong = Vec::new();
     for set in thickness.iter().chain(&others) {
         for (number, file) in files.iter().enumerate() {
