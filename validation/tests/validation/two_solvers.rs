@@ -332,9 +332,10 @@ fn of_view(view: &View, of_solver: impl Fn(&State) -> &StateValues) -> Vec<(Stri
 }
 
 /// Scenarios that take seconds and are like others: faces by waves and by rays are compared in
-/// `papilio_display`'s tests of microgeometry, measured diffusers by `measured-h65`, maps of light by
-/// `map-regions`.
-const ONLY_IN_FULL: [&str; 4] = ["etched-face", "hazy-face", "map", "measured-h78"];
+/// `papilio_display`'s tests of microgeometry, measured diffusers by `measured-diffused` and in `measured.rs`, maps of
+/// light by `map-regions`, liquid crystals by `stn` and `mip-lcd-cover`, and below haze films in `papilio_display`'s tests.
+const ONLY_IN_FULL: [&str; 7] =
+    ["etched-face", "hazy-face", "map", "measured-h65", "measured-h78", "mip-lcd", "mip-lcd-haze"];
 
 /// Adding refuses a colour filter below a film that reflects; `papilio_display` compares filters above liquid crystals without that reflection. It refuses
 /// particles whose polarised light is followed; the transport's tests compare them with published tables.
