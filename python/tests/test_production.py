@@ -9,7 +9,7 @@ import pytest
 import papilio
 from papilio import ArgumentError, Scenario, ScenarioError, _papilio
 
-FEW = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 16}
+FEW = {"tolerance.samples": 64, "tolerance.sensitivity_samples": 16, "spectrum.step_nm": 20}
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_errors_have_positions(path):
 def test_more_samples_resume_from_journal(path, found, tmp_path):
     """Samples in the journal are not computed again."""
     papilio.tolerance(path, set=FEW, out=tmp_path)
-    larger = {"tolerance.samples": 80, "tolerance.sensitivity_samples": 16}
+    larger = {**FEW, "tolerance.samples": 80}
     core = _papilio.Production(*Scenario.load(path).with_values(larger)._state())
     core.open(str(tmp_path))
     assert core.missing() == list(range(64, 80))

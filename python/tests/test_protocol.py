@@ -36,7 +36,7 @@ def results():
             "Yield": papilio.tolerance(ROOT / "scenarios" / "tolerance.toml", set=few),
             "Optimum": papilio.optimize(ROOT / "scenarios" / "optimize.toml", set={"optimize.evaluations": 20, "optimize.starts": 1}),
             "Mtf": papilio.mtf(ROOT / "scenarios" / "matrix.toml", set=COARSE),
-            "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set=COARSE),
+            "Crosstalk": papilio.crosstalk(ROOT / "scenarios" / "matrix.toml", set={"solver.relative_error": 0.02} | COARSE),
             "Sparkle": papilio.sparkle(ROOT / "scenarios" / "antiglare.toml", set={"sparkle.replicates": 2, "sparkle.correlation_um": 60} | COARSE),
             "Fitted": papilio.fit(ROOT / "scenarios" / "fit.toml", ROOT / "scenarios" / "data" / "synthetic-film.csv", set={"fit.starts": 1}),
             "Palette": papilio.palette(ROOT / "scenarios" / "six-ink.toml", rooms=["D65"]),
