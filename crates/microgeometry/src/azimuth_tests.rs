@@ -327,7 +327,7 @@ fn few_rays_do_not_contradict_the_laws() {
         let seeds = sized(2, 30);
         let (mut by_band, mut by_azimuth, mut balanced) = (0.0, 0.0, 0_u32);
         for seed in 0..seeds {
-            let of = goniometer(12, rays, seed);
+            let of = goniometer(sized(8, 12), rays, seed);
             let (replicates, sums) = measured(&of, surface);
             by_band += of.kernel(&replicates).unwrap().audit.energy_z_rms().powi(2) / seeds as f64;
             match AzimuthKernel::new(sums, Audit::of_rays(&replicates)) {
