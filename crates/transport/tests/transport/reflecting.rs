@@ -242,7 +242,7 @@ fn paths_find_light_of_three_narrow_lobes() {
     ];
     for (name, display, source, most) in everyday(2, cases) {
         let (eye, sources) = (view(8.0), [source]);
-        let truth = rho(&estimate(3, &display, eye, &sources), 0);
+        let truth = rho(&estimate(sized(2, 3), &display, eye, &sources), 0);
         assert_unbiased(name, truth, most, |seed| {
             let runs = replicates_of(&display, eye, &sources, seed, 512, Sampler::Sobol);
             mean_and_error(runs.iter().map(|run| rho(run, 0)))

@@ -169,9 +169,11 @@ impl Axis {
     /// Divides the period at the edges of cells, and of fields shifted by this many periods: those of light
     /// that passes the filter the shift before it is at a place.
     pub(super) fn pieces(&self, [shift]: &[f64; 1], out: &mut Vec<Piece>) {
-        self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at, length| {
-            let field = locate(&self.fields, at - shift);
-            Piece { length, to: locate(&self.cells, at), from: 0, at: [field, 0] }
+        self.divide(&[(&self.cells, 0.0), (&self.fields, *shift)], out, |at, length| Piece {
+            length,
+            to: at[0],
+            from: 0,
+            at: [at[1], 0],
         });
     }
 
@@ -179,12 +181,7 @@ impl Axis {
     pub(super) fn return_pieces(&self, passes: [f64; 2], whole: f64, out: &mut Vec<Piece>) {
         let lists: [(&[f64], f64); 4] =
             [(&self.cells, 0.0), (&self.cells, whole), (&self.fields, passes[0]), (&self.fields, passes[1])];
-        self.divide(&lists, out, |at, length| Piece {
-            length,
-            to: locate(&self.cells, at),
-            from: locate(&self.cells, at - whole),
-            at: passes.map(|pass| locate(&self.fields, at - pass)),
-        });
+        self.divide(&lists, out, |at, length| Piece { length, to: at[0], from: at[1], at: [at[2], at[3]] });
     }
 
     /// Divides the period at the edges of fields shifted by each of these numbers of periods: lengths, each
@@ -192,33 +189,76 @@ impl Axis {
     pub(super) fn divided(&self, shifts: &[f64]) -> Vec<(f64, Vec<usize>)> {
         let lists: Vec<(&[f64], f64)> = shifts.iter().map(|shift| (&self.fields[..], *shift)).collect();
         let mut all = Vec::new();
-        self.divide(&lists, &mut all, |at, length| {
-            (length, shifts.iter().map(|shift| locate(&self.fields, at - shift)).collect())
-        });
+        self.divide(&lists, &mut all, |at, length| (length, at.to_vec()));
         all
     }
 
-    /// Calls `piece` with the middle and the length of each piece between the edges of these lists.
-    fn divide<P>(&self, lists: &[(&[f64], f64)], out: &mut Vec<P>, piece: impl Fn(f64, f64) -> P) {
+    /// Calls `piece` for each piece between the edges of these lists, shifted by so many periods, with the interval
+    /// of each list in which it lies, and its length.
+    fn divide<P>(&self, lists: &[(&[f64], f64)], out: &mut Vec<P>, piece: impl Fn(&[usize], f64) -> P) {
         out.clear();
+        let mut shifted: Vec<Shifted<'_>> =
+            lists.iter().map(|(list, shift)| Shifted::new(list, *shift)).collect();
+        let mut at = vec![0; lists.len()];
+        let mut located = |middle: f64, at: &mut [usize]| {
+            at.iter_mut().zip(&mut shifted).for_each(|(at, list)| *at = list.locate(middle));
+        };
         if self.count() == 1 {
-            out.push(piece(0.5, 1.0));
+            located(0.5, &mut at);
+            out.push(piece(&at, 1.0));
             return;
         }
         let mut edges: Vec<f64> =
             Vec::with_capacity(2 + lists.iter().map(|(list, _)| list.len()).sum::<usize>());
         edges.extend([0.0, 1.0]);
         for (list, shift) in lists {
+            let shift = within_period(*shift);
             // The last edge is the first one of the next period.
-            edges.extend(list[1..].iter().map(|edge| (edge + shift).rem_euclid(1.0)));
+            edges.extend(
+                list[1..].iter().map(|edge| edge + shift).map(|at| if at < 1.0 { at } else { at - 1.0 }),
+            );
         }
-        edges.sort_unstable_by(f64::total_cmp);
+        // Stable: it finds the lists, which ascend but for one place each.
+        edges.sort_by(f64::total_cmp);
         for ends in edges.windows(2) {
             let length = ends[1] - ends[0];
             if length > SAME {
-                out.push(piece(ends[0] + 0.5 * length, length));
+                located(ends[0] + 0.5 * length, &mut at);
+                out.push(piece(&at, length));
             }
         }
+    }
+}
+
+/// The place in the period from 0 to 1.
+fn within_period(place: f64) -> f64 {
+    place - place.floor()
+}
+
+/// Intervals of a period between edges from 0 to 1, shifted; places are looked up in ascending order.
+struct Shifted<'a> {
+    edges: &'a [f64],
+    shift: f64,
+    /// The last interval found.
+    interval: usize,
+}
+
+impl<'a> Shifted<'a> {
+    fn new(edges: &'a [f64], shift: f64) -> Self {
+        Self { edges, shift: within_period(shift), interval: 0 }
+    }
+
+    /// Number of the interval in which a place of the period is.
+    fn locate(&mut self, place: f64) -> usize {
+        let place = place - self.shift;
+        let place = if place < 0.0 { place + 1.0 } else { place };
+        if place < self.edges[self.interval] {
+            self.interval = 0;
+        }
+        while self.interval + 2 < self.edges.len() && self.edges[self.interval + 1] <= place {
+            self.interval += 1;
+        }
+        self.interval
     }
 }
 
@@ -249,10 +289,4 @@ fn grade(parts: usize, first: f64) -> f64 {
         between[usize::from(length(middle) < first)] = middle;
     }
     between[0]
-}
-
-/// Number of the interval of a period in which a place is.
-fn locate(edges: &[f64], place: f64) -> usize {
-    let place = place - place.floor();
-    edges[1..edges.len() - 1].partition_point(|edge| *edge <= place)
 }
