@@ -188,14 +188,16 @@ pub(super) fn irradiance(
     rho: &[f64],
     tolerance: f64,
 ) -> Vec<f64> {
+    let ways = (0..faces.returned.len())
+        .map(|k| Way::new(cells, [0, 1].map(|axis| step_mm[axis] + k as f64 * air_mm[axis])));
+    let ways: Vec<Way> = ways.collect();
     let mut irradiance = vec![1.0; rho.len()];
     let mut last = f64::INFINITY;
     for order in 1.. {
         let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| rho * e).collect();
         let mut next = vec![1.0; rho.len()];
-        for (k, part) in faces.returned.iter().enumerate() {
-            let way = [0, 1].map(|axis| step_mm[axis] + k as f64 * air_mm[axis]);
-            next.iter_mut().zip(moved(&light, cells, way)).for_each(|(next, moved)| *next += part * moved);
+        for (part, way) in faces.returned.iter().zip(&ways) {
+            way.add(*part, &light, &mut next);
         }
         let change = next.iter().zip(&irradiance).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let before = std::mem::replace(&mut irradiance, next);
@@ -279,25 +281,50 @@ pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
 }
 
 /// Light of cells from a place so far away: of a cell, the part that lies there.
-pub(super) fn moved(light: &[f64], Cells { count, period_mm }: Cells, way_mm: [f64; 2]) -> Vec<f64> {
-    let of_axis = |axis: usize| {
-        let at = way_mm[axis] / period_mm[axis] * count[axis] as f64;
-        let first = at.floor();
-        let steps = [first, first + 1.0].map(|step| (step as i64).rem_euclid(count[axis] as i64) as usize);
-        (steps, if count[axis] > 1 { at - first } else { 0.0 })
-    };
-    let [(x, part_x), (y, part_y)] = [0, 1].map(of_axis);
-    let columns = count[0];
-    let from = |k: usize, count: usize, step: usize| (k + count - step) % count;
-    let one = |cell: usize| {
-        let row = |step: usize| {
-            let row = from(cell / columns, count[1], step) * columns;
-            let [near, far] = x.map(|step| light[row + from(cell % columns, columns, step)]);
-            (1.0 - part_x) * near + part_x * far
+pub(super) fn moved(light: &[f64], cells: Cells, way_mm: [f64; 2]) -> Vec<f64> {
+    let mut sum = vec![0.0; light.len()];
+    Way::new(cells, way_mm).add(1.0, light, &mut sum);
+    sum
+}
+
+/// A displacement on a grid of cells.
+struct Way {
+    count: [usize; 2],
+    /// Of each axis, how many cells away the two cells are in which the place lies, and the part in the second.
+    axes: [([usize; 2], f64); 2],
+}
+
+impl Way {
+    fn new(Cells { count, period_mm }: Cells, way_mm: [f64; 2]) -> Self {
+        let of_axis = |axis: usize| {
+            let at = way_mm[axis] / period_mm[axis] * count[axis] as f64;
+            let first = at.floor();
+            let steps =
+                [first, first + 1.0].map(|step| (step as i64).rem_euclid(count[axis] as i64) as usize);
+            (steps, if count[axis] > 1 { at - first } else { 0.0 })
         };
-        if part_y == 0.0 { row(y[0]) } else { (1.0 - part_y) * row(y[0]) + part_y * row(y[1]) }
-    };
-    (0..light.len()).map(one).collect()
+        Self { count, axes: [0, 1].map(of_axis) }
+    }
+
+    /// Adds this fraction of the light from there to each cell.
+    fn add(&self, part: f64, light: &[f64], sum: &mut [f64]) {
+        let ([columns, rows], [x, y]) = (self.count, &self.axes);
+        let parts = |of: f64, ([near, far], second): &([usize; 2], f64)| {
+            [(*near, of * (1.0 - second)), (*far, of * second)]
+        };
+        for (down, part) in parts(part, y).into_iter().filter(|(_, part)| *part != 0.0) {
+            for (row, sum) in sum.chunks_exact_mut(columns).enumerate() {
+                let light = &light[(row + rows - down) % rows * columns..][..columns];
+                for (along, part) in parts(part, x).into_iter().filter(|(_, part)| *part != 0.0) {
+                    // The last cells of a row come first.
+                    let (head, tail) = sum.split_at_mut(along);
+                    let (first, last) = light.split_at(columns - along);
+                    head.iter_mut().zip(last).for_each(|(sum, light)| *sum += part * light);
+                    tail.iter_mut().zip(first).for_each(|(sum, light)| *sum += part * light);
+                }
+            }
+        }
+    }
 }
 
 #[cfg(test)]

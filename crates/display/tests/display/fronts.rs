@@ -9,7 +9,7 @@ use papilio_display::Control;
 use papilio_display::spatial::walk::{self, Mean};
 use papilio_display::spatial::{MtfResult, SpatialScalars, crosstalk, mtf};
 use papilio_scenario::{Resolved, Scenario};
-use papilio_testing::{everyday, seeds};
+use papilio_testing::{everyday, seeds, sized};
 use papilio_transport::walk::places::{Shape, TwoStates};
 
 use crate::common;
@@ -121,7 +121,8 @@ fn sharpness_below_fronts_and_lobes_is_within_its_stated_errors() {
         let parts = [front, LOBE, COATED, pixel, lamp, view, MATRIX];
         let of = |solver: &str| computed(&resolved(&[&parts[..], &[solver]].concat()));
         let exact = of("");
-        let paths = of("[solver]\nmethod = \"monte-carlo\"\npaths = 65536\n");
+        let count = sized(32_768, 65_536);
+        let paths = of(&format!("[solver]\nmethod = \"monte-carlo\"\npaths = {count}\n"));
         for ((name, exact), (_, paths)) in exact.views[0].states.iter().zip(paths.views[0].states.iter()) {
             for metric in ["edge_10_90_x_um", "mtf_nyquist_x", "mtf_nyquist_y", "f50_x_per_mm"] {
                 let named = |values: &SpatialScalars| {

@@ -106,7 +106,7 @@ fn both_solvers_agree_below_a_face() {
     let medium = |index: f64| format!("[[display.layers]]\nkind = \"medium\"\nindex = {index}\n");
     // Between two dense media hardly any light is reflected: both sides exchange almost all of it.
     let etched = face("surface = \"etched.toml\"\nrays = 640");
-    for dense in [&etched, &hemispheres].map(|face| format!("{etched}{}{face}", medium(1.3))) {
+    for dense in everyday(1, [&hemispheres, &etched]).map(|face| format!("{etched}{}{face}", medium(1.3))) {
         Faced::new(1e-3, &dense, 1.0, DIFFUSE).assert_furnace(1e-6);
     }
     // Dents of a glass above a gap of air; and bumps below such a gap, which turns back all light beyond

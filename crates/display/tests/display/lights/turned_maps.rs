@@ -111,7 +111,8 @@ fn mirror_shows_the_pixels_of_a_map_in_any_orientation() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("map.hdr"), picture()).unwrap();
     let mirror = display("mirror");
-    for (k, of) in ORIENTATIONS.into_iter().enumerate() {
+    for k in everyday(4, [0, 1, 3, 4, 2, 5]) {
+        let of = ORIENTATIONS[k];
         let irradiance = of.sum(|_| 1.0);
         let views = [([8.0, 3.0], 0.0), ([8.0, 77.0], 0.2), ([41.3, -130.0], 3.0), ([2.0, 15.0], 12.0)];
         // Two views each, every day one: a tilted map takes a while.
@@ -143,7 +144,7 @@ fn lobe_gathers_the_light_of_a_map_in_any_orientation() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("map.hdr"), picture()).unwrap();
     let (through, view) = (0.9, [8.0, 77.0]);
-    for (width, orientations) in [(0.02, [1, 3]), (0.06, [2, 4])] {
+    for (width, orientations) in [(0.02, [3, 1]), (0.06, [2, 4])] {
         let panel = format!(
             "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = {width}\ntransmittance = {through}\n[display.glass]\nindex = 4\n\
              [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = {{ white = {PIXEL}, black = 0.05 }}\n"
@@ -155,7 +156,7 @@ fn lobe_gathers_the_light_of_a_map_in_any_orientation() {
             let wide = 2.0 * width;
             wide / (TAU * (wide * wide + (x - peak[0]).powi(2) + (y - peak[1]).powi(2)).powf(1.5))
         };
-        for of in orientations.map(|k| ORIENTATIONS[k]) {
+        for of in everyday(1, orientations).map(|k| ORIENTATIONS[k]) {
             let truth = PI * through * through * PIXEL * of.sum(lobe) / of.sum(|_| 1.0);
             let white = |solver: &str| {
                 let result = run_in(&text_seen(&panel, &keys(of), solver, (view, 0.0)), folder.path());
