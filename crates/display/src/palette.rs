@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::DisplayError;
-use crate::result::{Named, RunResult, State, StateValues};
+use crate::result::{Named, RunResult, State, StateValues, XyzError};
 use crate::run::{Control, run};
 use crate::scene::Scene;
 use crate::single_view::{LightSummary, SingleView};
@@ -87,6 +87,10 @@ pub struct PaletteColour {
     pub hex: Option<String>,
     /// Errors.
     pub error: PaletteErrors,
+    /// Estimated errors of X, Y and Z because lights and reflectances are known only at the wavelengths of the grid, as in
+    /// `result.json`; only if its step is above 1 nm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolation_error: Option<XyzError>,
 }
 
 /// Standard or discretisation errors of a colour.
@@ -200,6 +204,7 @@ impl PaletteColour {
             srgb_relative: relative.map(Xyz::srgb_encoded),
             hex: srgb.map(hex),
             error: PaletteErrors::new(state),
+            interpolation_error: state.interpolation_error,
         }
     }
 }

@@ -30,6 +30,7 @@ fn palette(states: &[(&str, [f64; 3])]) -> Palette {
         srgb_relative: None,
         hex: None,
         error: PaletteErrors::default(),
+        interpolation_error: None,
     };
     Palette { white_XYZ: D65_WHITE.to_array(), colours: states.iter().map(colour).collect() }
 }

@@ -282,3 +282,16 @@ fn approximations_of_other_layers_than_a_panel_are_refused() {
     let refused = with_stop(1, |control| papilio_display::run(&scene, control)).unwrap_err();
     assert_eq!(refused, DisplayError::ApproximatesNoPanel);
 }
+
+/// A palette has the errors of X, Y and Z by the step of the grid that a run states.
+#[test]
+fn palette_has_the_interpolation_errors_of_a_run() {
+    let scene = scene("six-ink", &[]);
+    let run = run_on(&scene, Some(1)).unwrap();
+    let found = with_stop(1, |control| papilio_display::palette::palette(&scene, &[], control)).unwrap();
+    for (colour, (name, state)) in found.palette.colours.iter().zip(run.views[0].states.iter()) {
+        assert_eq!((colour.state.as_str(), colour.interpolation_error), (name, state.interpolation_error));
+    }
+    let red = found.palette.colours.iter().find(|colour| colour.state == "red").unwrap();
+    assert!(red.interpolation_error.unwrap().X > 0.0);
+}
