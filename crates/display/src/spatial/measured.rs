@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::mtf::Frame;
 use super::patterns;
-use super::profile::{cumulative, density, places, radii};
+use super::profile::{PER_SIDE, cumulative, density, places, radii};
 use super::response::responses;
 use super::{Level, Seen, SpreadTable};
 use crate::DisplayError;
@@ -76,9 +76,9 @@ impl Frame<'_> {
             // A table resolves a sharp image by places close to it.
             let sharp =
                 images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
-            places(&peaks, axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
+            places((&peaks, PER_SIDE), axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
         };
-        let radii = radii(&peaks, extent, SHARP * self.thickness_mm);
+        let radii = radii((&peaks, PER_SIDE), extent, SHARP * self.thickness_mm);
         Borders { places: [along(0), along(1)], radii }
     }
 

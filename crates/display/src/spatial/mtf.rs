@@ -329,6 +329,7 @@ impl<'a> Frame<'a> {
         let tables = (0..=all).flat_map(|light| [0, 1].map(|axis| fine.table(coarse, state, light, axis)));
         MtfState {
             Y_via_pixel: fine.y(state),
+            Y_via_pixel_error: (fine.y(state) - coarse.y(state)).abs(),
             scalars,
             error,
             otf: curves(all),

@@ -2,17 +2,22 @@
 
 use papilio_transport::spatial::Peak;
 
-/// Places on each side of a peak in a table.
-const PER_SIDE: usize = 40;
+/// Places on each side of a peak in a table by adding.
+pub(super) const PER_SIDE: usize = 40;
 
-/// Ascending places along an axis, mm, dense near the peaks: each is `peak + width sinh(u)` with uniform u,
-/// up to `extent_mm` from the view's own ray. 0 and `fixed` are among them.
-pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64]) -> Vec<f64> {
+/// Ascending places along an axis, mm, dense near the peaks: each is `peak + width sinh(u)` with uniform u, `per_side` of
+/// them on each side, up to `extent_mm` from the view's own ray. 0 and `fixed` are among them.
+pub(super) fn places(
+    (peaks, per_side): (&[Peak], usize),
+    axis: usize,
+    extent_mm: f64,
+    fixed: &[f64],
+) -> Vec<f64> {
     let mut all: Vec<(f64, f64)> = fixed.iter().chain([&0.0]).map(|at| (*at, 0.0)).collect();
     for peak in peaks {
         let end = (extent_mm / peak.width_mm).asinh();
-        let step = end / PER_SIDE as f64;
-        for k in -(PER_SIDE as i32)..=PER_SIDE as i32 {
+        let step = end / per_side as f64;
+        for k in -(per_side as i32)..=per_side as i32 {
             let u = f64::from(k) * step;
             let at = peak.at_mm[axis] + peak.width_mm * u.sinh();
             // Closer ones of another peak add nothing.
@@ -45,13 +50,13 @@ pub(super) fn places(peaks: &[Peak], axis: usize, extent_mm: f64, fixed: &[f64])
 
 /// Ascending radii of rings about the view's own ray, mm, dense at the distances of the peaks: the light of a lamp's
 /// image lies within a narrow ring.
-pub(super) fn radii(peaks: &[Peak], extent_mm: f64, sharp_mm: f64) -> Vec<f64> {
+pub(super) fn radii((peaks, per_side): (&[Peak], usize), extent_mm: f64, sharp_mm: f64) -> Vec<f64> {
     let at_distance = |peak: &Peak| {
         let [x, y] = peak.at_mm;
         Peak { at_mm: [x.hypot(y), 0.0], width_mm: peak.width_mm }
     };
     let peaks: Vec<Peak> = peaks.iter().map(at_distance).collect();
-    let mut radii = places(&peaks, 0, extent_mm, &[sharp_mm]);
+    let mut radii = places((&peaks, per_side), 0, extent_mm, &[sharp_mm]);
     radii.retain(|radius| *radius > 0.0);
     radii
 }
@@ -70,6 +75,15 @@ pub(super) fn crossing(places: &[f64], cumulative: &[f64], value: f64) -> Option
         if piece.at(middle) < value { low = middle } else { high = middle }
     }
     Some(places[above - 1] + piece.width * 0.5 * (low + high))
+}
+
+/// Difference between [`crossing`] and that of straight lines between the places: a bound of the error by their distance.
+pub(super) fn between(places: &[f64], cumulative: &[f64], value: f64) -> Option<f64> {
+    let above = cumulative.iter().position(|share| *share >= value)?;
+    let Some(below) = above.checked_sub(1) else { return Some(0.0) };
+    let [from, to] = [cumulative[below], cumulative[above]];
+    let straight = places[below] + (places[above] - places[below]) * (value - from) / (to - from);
+    Some((crossing(places, cumulative, value)? - straight).abs())
 }
 
 /// Value of a function tabulated at ascending places; held beyond them.
@@ -157,7 +171,7 @@ mod tests {
     #[test]
     fn crossings_of_a_known_distribution_are_found() {
         let peak = Peak { at_mm: [0.0; 2], width_mm: 0.02 };
-        let places = places(&[peak], 0, 10.0, &[0.05]);
+        let places = places((&[peak], PER_SIDE), 0, 10.0, &[0.05]);
         assert!(places.contains(&0.05) && places.contains(&0.0));
         assert!(places.windows(2).all(|pair| pair[0] < pair[1]));
         let share: Vec<f64> = places.iter().map(|x| 0.5 + (x / 0.02).atan() / std::f64::consts::PI).collect();

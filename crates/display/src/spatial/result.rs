@@ -103,6 +103,8 @@ impl MtfView {
 pub struct MtfState {
     /// Y via the pixel.
     pub Y_via_pixel: f64,
+    /// Its error.
+    pub Y_via_pixel_error: f64,
     /// The metrics.
     #[serde(flatten)]
     pub scalars: SpatialScalars,
@@ -195,6 +197,7 @@ impl MtfView {
 
 impl MtfState {
     fn widen_errors(&mut self, other: &Self) {
+        widen(&mut self.Y_via_pixel_error, other.Y_via_pixel_error);
         for (error, (_, other)) in self.error.all_mut().zip(other.error.named()) {
             *error = error.zip(other).map(|(error, other)| error.max(other)).or(*error);
         }

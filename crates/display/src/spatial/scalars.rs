@@ -4,7 +4,7 @@ use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
 
 use super::measured::Measured;
 use super::mtf::Frame;
-use super::profile::{crossing, cumulative, interpolated};
+use super::profile::{between, crossing, cumulative, interpolated};
 use super::{Sharpness, SpatialScalars};
 
 /// Field of view of the square-root integral, degrees.
@@ -82,6 +82,23 @@ impl Frame<'_> {
             let radius = crossing(&measured.radii, &rings, share)?;
             Some(1e3 * OF_HALF * (radius - crossing(&few_radii, &few_rings, share)?).abs())
         })
+    }
+
+    /// Adds the errors by the distance of places to those of radii and widths of edges that are known.
+    pub(super) fn add_between(&self, errors: &mut SpatialScalars, state: usize, measured: &Measured) {
+        let Some(all) = measured.lights[state].last() else { return };
+        let add = |error: &mut Option<f64>, (places, bins): (&[f64], &[f64]), shares: &[f64]| {
+            let cumulative = cumulative(bins);
+            let all: Option<f64> = shares.iter().map(|share| between(places, &cumulative, *share)).sum();
+            *error = error.zip(all).map(|(error, all)| error + 1e3 * all);
+        };
+        let SpatialScalars { edge_10_90_x_um, edge_10_90_y_um, r50_um, r90_um, .. } = errors;
+        for (axis, error) in [edge_10_90_x_um, edge_10_90_y_um].into_iter().enumerate() {
+            add(error, (&measured.places[axis], &all.strips[axis]), &[0.1, 0.9]);
+        }
+        for (error, share) in [(r50_um, 0.5), (r90_um, 0.9)] {
+            add(error, (&measured.radii, &all.rings), &[share]);
+        }
     }
 
     /// Square-root integral of a page of this Y along an axis, whose transfer is given for cycles per degree.

@@ -18,7 +18,7 @@ use papilio_transport::spatial::displacement;
 use papilio_transport::walk::places::{
     Entry, Estimate, FilterPlane, KernelTally, Pattern, PlacedWalk, Uniform, What,
 };
-use papilio_transport::{Base, Cone, Reflector, Source, Stack};
+use papilio_transport::{Base, Cone, Layer, Reflector, Source, Stack};
 
 use self::below_filter::BelowFilter;
 use super::Refused;
@@ -325,17 +325,25 @@ impl<'a> Placed<'a> {
         self.traced.load(Ordering::Relaxed)
     }
 
-    /// What all media move light of these direction cosines by, mm; the last wavelength stands for all.
+    /// What all media move light of these direction cosines by, mm.
     pub(super) fn displacement(&self, beta: Beta) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for layer in self.stack.layers() {
+        self.displacements(beta).last().map_or([0.0; 2], |(_, sum)| *sum)
+    }
+
+    /// Heights above the pixels of all interfaces, mm, each with what the media below it move light of these direction
+    /// cosines by; the last wavelength stands for all.
+    pub(super) fn displacements(&self, beta: Beta) -> Vec<(f64, [f64; 2])> {
+        let (mut height_mm, mut sum) = (0.0, [0.0; 2]);
+        let above = |layer: &Layer| {
             let index = layer.medium.index().iter().next_back().copied().unwrap_or(1.0);
+            height_mm += layer.thickness_mm;
             if beta.squared() < index * index {
                 let [x, y] = displacement(beta, layer.thickness_mm, index);
                 sum = [sum[0] + x, sum[1] + y];
             }
-        }
-        sum
+            (height_mm, sum)
+        };
+        self.stack.layers().iter().rev().map(above).collect()
     }
 
     /// Estimates of all replicates for a view. The progress tells the paths of all calls.

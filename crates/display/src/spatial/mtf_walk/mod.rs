@@ -39,9 +39,14 @@ const SEARCHED: f64 = 8.0;
 /// Extent of tables of places, in thicknesses of all layers.
 const EXTENT: f64 = 20.0;
 
-/// Width about the view's own ray and the mirror rays of lamps in which tables are dense, in thicknesses of
-/// all layers.
+/// Width about the view's own ray and the mirror rays of lamps in which tables are dense, in heights above the pixels of
+/// each interface: what is below it spreads light by some of its height. At most this part of the smallest radius
+/// that has half of the light of a state, which the round before found.
 const DENSE: f64 = 0.03;
+const OF_RADIUS: f64 = 0.3;
+
+/// Places on each side of such a width.
+const PER_SIDE: usize = 80;
 
 /// Distance from the view's own ray, in thicknesses, within which a table has all light of a sharp image.
 const SHARP: f64 = 1e-6;
@@ -84,16 +89,18 @@ pub(super) fn view(
     let fixed = Fixed::new(frame);
     let passes = 1 + u64::from(fixed.is_some()) + frame.patterns().len() as u64;
     let before = panel.traced();
-    // The picture of kernels has the size that the round before found.
-    let mut half_mm = 0.0;
+    // The round before finds the size of the picture of kernels, and where most light is.
+    let (mut half_mm, mut half_of_light_mm) = (0.0, f64::INFINITY);
     let mut round = |paths: u64| {
-        let grid = Grid::new(frame, panel, view, half_mm);
+        let grid = Grid::new(frame, panel, view, [half_mm, half_of_light_mm]);
         let left = paths_from_round(stop, paths, passes);
         let estimates =
             panel.with_share(before, left, control, |control| grid.kernels(panel, view, paths, control))?;
         let found = left_out(&grid, frame, panel, &estimates, &[], None);
         let r90 = found[0].scalars.iter().filter_map(|state| state.r90_um);
         half_mm = r90.map(|r90| 1.2e-3 * r90).fold(0.0, f64::max);
+        let r50 = found[0].scalars.iter().filter_map(|state| state.r50_um).filter(|r50| *r50 > 0.0);
+        half_of_light_mm = r50.map(|r50| 1e-3 * r50).fold(f64::INFINITY, f64::min);
         let (missed, means) = (missed(stop, largest_error(frame, &found))?, luminous_means(frame, &found));
         Ok(Round { found: (grid, estimates), missed, means })
     };
@@ -165,8 +172,14 @@ fn left_out(
 }
 
 impl Grid {
-    /// `half_mm` is half of the side of the picture of kernels, at least that of four pixels.
-    fn new(frame: &Frame<'_>, panel: &Placed<'_>, view: &ViewPoint, half_mm: f64) -> Self {
+    /// `half_mm` is half of the side of the picture of kernels, at least that of four pixels; `half_of_light_mm` the smallest
+    /// radius with half of the light of a state.
+    fn new(
+        frame: &Frame<'_>,
+        panel: &Placed<'_>,
+        view: &ViewPoint,
+        [half_mm, half_of_light_mm]: [f64; 2],
+    ) -> Self {
         let setup = frame.setup;
         let seen = panel.lights.iter().enumerate().filter(|(_, light)| light.is_seen());
         let lights = seen.map(|(number, light)| (number, name_of_light(setup, light)));
@@ -178,16 +191,25 @@ impl Grid {
         let thickness = panel.stack.thickness_mm();
         let own = view.field.axis_towards();
         let beams = setup.sources.iter().filter_map(Source::direction);
-        let from = panel.displacement(own);
+        let from = panel.displacements(own);
+        let narrow = OF_RADIUS * half_of_light_mm;
         let at = |beta: Beta| {
-            let [x, y] = panel.displacement(beta);
-            Peak { at_mm: [x - from[0], y - from[1]], width_mm: (DENSE * thickness).max(1e-6) }
+            let pairs = panel
+                .displacements(beta)
+                .into_iter()
+                .zip(&from)
+                .filter(|((height_mm, _), _)| *height_mm > 0.0);
+            let peak = |((height_mm, [x, y]), (_, from)): ((f64, [f64; 2]), &(f64, [f64; 2]))| Peak {
+                at_mm: [x - from[0], y - from[1]],
+                width_mm: (DENSE * height_mm).min(narrow).max(1e-6),
+            };
+            pairs.map(peak).collect::<Vec<_>>()
         };
-        let peaks: Vec<Peak> = std::iter::once(own).chain(beams).map(at).collect();
+        let peaks: Vec<Peak> = std::iter::once(own).chain(beams).flat_map(at).collect();
         let extent = (EXTENT * thickness).max(1e-3);
         let sharp = [-SHARP, SHARP].map(|side| side * extent);
-        let borders = |axis: usize| places(&peaks, axis, extent, &sharp);
-        let radii = radii(&peaks, extent, SHARP * extent);
+        let borders = |axis: usize| places((&peaks, PER_SIDE), axis, extent, &sharp);
+        let radii = radii((&peaks, PER_SIDE), extent, SHARP * extent);
         let pixels = frame.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let half = if half_mm.max(pixels) > 0.0 { half_mm.max(pixels) } else { thickness.max(1e-3) };
         Self {
@@ -377,6 +399,7 @@ fn state_of(frame: &Frame<'_>, grid: &Grid, found: &[Found], state: usize) -> Mt
     for (k, slot) in scalar_errors.all_mut().enumerate() {
         *slot = error(found, |one| one.scalars[state].named().nth(k).and_then(|(_, value)| value));
     }
+    frame.add_between(&mut scalar_errors, state, &all.measured);
     let tables = (0..=lights).flat_map(|light| [0, 1].map(|axis| (light, axis)));
     let tables = tables.map(|(light, axis)| {
         let mut table = all.measured.table(&all.measured, state, light, axis);
@@ -390,6 +413,7 @@ fn state_of(frame: &Frame<'_>, grid: &Grid, found: &[Found], state: usize) -> Mt
     let cells = all.cells[state].clone();
     MtfState {
         Y_via_pixel: all.measured.y(state),
+        Y_via_pixel_error: error(found, |one| Some(one.measured.y(state))).unwrap_or(0.0),
         scalars: all.scalars[state],
         error: scalar_errors,
         otf: curves(lights),
