@@ -327,7 +327,7 @@ fn responses(
         digits,
         most_per_mm: 1.0 / pitch_mm[0].min(pitch_mm[1]),
         is_fine: digits > 10.0,
-        is_broader: false,
+        is_other: false,
         finer: 0,
     };
     let lit = Lit { panel, view, level, spread: None };

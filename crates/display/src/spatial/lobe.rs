@@ -44,7 +44,10 @@ pub(super) fn of_quantities<W: AsRef<[f64]>>(
         let known = number.checked_sub(1).filter(|before| parts[*before].is_weighted_like(part));
         curves.push(known.map_or_else(|| of_part(part), |before| Arc::clone(&curves[before])));
     }
+    let total =
+        |part: &Part| weights[0].as_ref().iter().zip(&*part.through).map(|(weight, t)| weight * t).sum();
     Ok(LobeResponse {
+        light: parts.iter().map(total).collect(),
         spread,
         curves,
         states: panel.base.states() * weights.len(),
@@ -57,6 +60,8 @@ pub(super) struct LobeResponse {
     spread: PanelSpread,
     /// Y of the light of each part of the spread.
     curves: Vec<Arc<Curves>>,
+    /// Light of each part from pixels that reflect everything, in the first quantity.
+    light: Vec<f64>,
     states: usize,
     /// Light along each axis, by part.
     lines: [OnceLock<Vec<LineSpread>>; 2],
@@ -69,6 +74,17 @@ impl LobeResponse {
             LineSpread::new(&points, axis, self.states, |beta_squared, y| curves.at(beta_squared, y))
         };
         self.lines[axis].get_or_init(|| self.points().zip(&self.curves).map(of_part).collect())
+    }
+
+    /// Index of the glass of the brightest part, and the mean reflectance of each state at `|beta|^2` in its light.
+    pub(super) fn brightest(&self) -> Option<(f64, impl Fn(f64, &mut [f64]))> {
+        let (number, light) = self.light.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let curves = &self.curves[number];
+        let reflectance = move |beta_squared: f64, y: &mut [f64]| {
+            curves.at(beta_squared, y);
+            y.iter_mut().for_each(|y| *y /= light);
+        };
+        (*light > 0.0).then(|| (self.spread.parts()[number].index(), reflectance))
     }
 
     /// Sums what each part has in bins, `[state][bin]`.

@@ -5,7 +5,7 @@
 //!
 //! | display | file |
 //! |---|---|
-//! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs` |
+//! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs`, `meetings.rs` |
 //! | Lambertian pixels under a flat face, or under a diffuser and a front | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //! | Lambertian pixels below general layers | `below_layers.rs` |
@@ -38,6 +38,7 @@ mod irradiance;
 mod layered;
 mod lobe;
 mod measured;
+mod meetings;
 mod mtf;
 mod mtf_walk;
 mod paper;

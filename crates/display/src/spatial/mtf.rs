@@ -115,7 +115,7 @@ pub(crate) fn sharpness(setup: &Setup, control: &Control<'_>) -> Result<Option<S
             digits: DIGITS[0],
             most_per_mm: frame.highest(),
             is_fine: false,
-            is_broader: false,
+            is_other: false,
             finer: 0,
         };
         let has_response = setup.stack.panel().is_some() || below_layers::covers(setup);
@@ -211,7 +211,7 @@ impl<'a> Frame<'a> {
     fn reach(&self, view: &ViewPoint) -> Result<f64, DisplayError> {
         // As far as the sharpest feature has contrast.
         let draft =
-            Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, is_broader: false, finer: 0 };
+            Level { digits: 4.0, most_per_mm: LOWEST_PER_MM, is_fine: false, is_other: false, finer: 0 };
         let (seen, _) = responses(self.setup, view, draft, self.control)?;
         let widths = seen.iter().flat_map(|seen| seen.response.peaks()).map(|peak| peak.width_mm);
         let sharpest = widths.fold(f64::INFINITY, f64::min);
@@ -232,7 +232,7 @@ impl<'a> Frame<'a> {
         };
         let borders = OnceCell::new();
         let at = |level: usize, is_fine: bool| {
-            let level = Level { digits: digits(level), most_per_mm, is_fine, is_broader: false, finer: 0 };
+            let level = Level { digits: digits(level), most_per_mm, is_fine, is_other: false, finer: 0 };
             self.measure(view, level, &borders)
         };
         // The coarse one of two levels uses simpler estimates: each further level has its own coarse one.
@@ -261,16 +261,16 @@ impl<'a> Frame<'a> {
             layered::widen(coarse, &found.finer.fine, factor);
         }
         let (digits, fine) = (digits(found.level), &found.finer.fine);
-        let level = Level { digits, most_per_mm, is_fine: true, is_broader: false, finer: 0 };
+        let level = Level { digits, most_per_mm, is_fine: true, is_other: false, finer: 0 };
         let against = |coarse: &Measured| {
             let mut states = states(coarse, fine);
             states.iter_mut().for_each(|(_, state)| layered::widen_radii(&mut state.error, factor));
             self.seen(view, states, coarse, fine)
         };
         let mut seen = against(found.finer.coarse(&found.coarser));
-        if fine.seen.iter().any(|seen| seen.response.is_estimated()) {
-            let broader = self.measure(view, Level { is_broader: true, ..level }, &borders)?;
-            seen.widen_errors(&against(&broader));
+        if fine.seen.iter().any(|seen| seen.response.has_other_points()) {
+            let other = self.measure(view, Level { is_other: true, ..level }, &borders)?;
+            seen.widen_errors(&against(&other));
         }
         seen.states = Named(self.with_kernels(seen.states.0, fine));
         seen.yule_nielsen_n = self.yule_nielsen(fine, level);

@@ -177,7 +177,7 @@ impl LitPicture {
         let (panel, rho) = covered(setup)?;
         let at = |is_fine: bool| {
             let digits = Level::digits_of_layers(usize::from(is_fine));
-            let level = Level { digits, most_per_mm: 0.0, is_fine, is_broader: false, finer: 0 };
+            let level = Level { digits, most_per_mm: 0.0, is_fine, is_other: false, finer: 0 };
             let view = view.filter(|_| panel.is_none());
             view.map(|view| Layers::new(setup, view, level, control)).transpose()
         };

@@ -28,8 +28,8 @@ pub(crate) struct Level {
     /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the
     /// difference bounds theirs, however many digits both have.
     pub(crate) is_fine: bool,
-    /// True if light that a front returns later is to be broader than estimated: the same quantity in another shape.
-    pub(crate) is_broader: bool,
+    /// True if light that a front returns is to be a sum over other points, and fewer.
+    pub(crate) is_other: bool,
     /// Number of times that cells of figures are halved beyond those of the finer of two levels.
     pub(crate) finer: u32,
 }
@@ -54,8 +54,8 @@ impl Level {
 
 /// Light that a view sees via the pixel in each state, from one source. All values are parts of Y.
 pub(crate) trait Response: Sync {
-    /// True if the places of a part of the light are estimated.
-    fn is_estimated(&self) -> bool {
+    /// True if a part of the light is a sum over few points, of which there are others.
+    fn has_other_points(&self) -> bool {
         false
     }
 

@@ -1,62 +1,52 @@
 //! A diffuser over mirror-like pixels, with the light that a front of screen returns to them.
 //!
-//! **What.** Y of a state is the light that meets the pixel once, Y1, and that of all further orders, so that
-//! `q = 1 - Y1/Y` is what returns of the light. Orders form a series, `Y = Y1/(1 - q)`: the response to a
-//! small change of the pixel has the shape of the last meeting with the fraction 1 - q, and another shape
-//! with the fraction q: light that the front returns later. At its last meeting, light that was returned
-//! before is seen from the same places as diffuse light.
+//! **What.** Y of a state is the light that meets the pixel once, Y1, and that of all further orders, E. The response to a
+//! small change of the pixel counts light once for each of its meetings: if light that meets it more than once does so
+//! m times in the mean, it has the shape of the first order with the fraction `Y1/(Y1 + m E)`, and
+//! that of all meetings of E with the rest.
 //!
-//! **The shape of what returns later** is an estimate; it is broad. It has met the pixel at 2 D, and meets it
-//! again after two further passes: a ghost about the place of a trip to the front and back. For small angles
-//! and a lobe of Cauchy's kind its way is that of 5 passes of the first order and 4 of the air,
-//! `|OTF|^(5 + 4 n g/d)`. The coarse level takes the shape of the first order for all light, so that the
-//! error of a result, the difference of levels, bounds that of the estimate; where both cross, a third shape, with
-//! four times the exponent, bounds it ([`Level::is_broader`]). Y itself, and what is seen of
-//! pages, is exact. `q` is about the reflectance of the front times that of the pixel, some 1e-2.
+//! **The shape of the meetings of E** is the integral of `meetings.rs`. The coarse level and a third result, of other
+//! points ([`Level::is_other`]), have a fourth of its points each; the larger difference is the error. Y itself, and what is seen of
+//! pages, is exact. E/Y is about the reflectance of the front times that of the pixel.
 //! `adding::LayeredSpread` follows this light exactly, in seconds instead of milliseconds.
-
-use std::f64::consts::PI;
+//!
+//! **Figures.** In lines and text, light that was returned before its last meeting is seen there from the places of diffuse light; the
+//! coarse level takes the places of the source. In patterns, light that returns from elsewhere meets both halves equally often at each
+//! meeting; at the coarse level it has the mean of the orders of both. The differences are in the error.
 
 use num_complex::Complex64;
-use papilio_transport::Source;
-use papilio_transport::spatial::{Peak, displacement};
+use papilio_transport::spatial::Peak;
+use papilio_transport::{Source, Top};
 
 use super::lobe::{self, LobeResponse};
+use super::meetings::{Meetings, Points, Way};
 use super::patterns::{Pattern, Text};
 use super::response::Lit;
-use super::series::{Series, add};
+use super::series::add;
 use super::{Level, PatternKind, Response};
 use crate::DisplayError;
 
-/// Period of the series, in reaches: the thickness, or a part of a large distance to the front.
-const PERIOD: f64 = 100.0;
-
-/// The series ends where the light of all states is below this fraction, at the latest at `HIGHEST` over the
-/// thickness.
-const FAINTEST: f64 = 1e-4;
-const HIGHEST: f64 = 16.0;
-
-/// Frequencies of a pattern, as multiples of the lowest one, end here.
-const MOST_WAVES: u32 = 20;
-
-/// Factor of the exponent of the blur of light that returns later, in the broader of its estimates. What paths show of displays with film pixels,
-/// mirrors and a front of 0.15 is between both (with a factor of 2, not all of it).
-const BROADER: f64 = 4.0;
+/// Points of the first level, and natural digits in which there are twice as many.
+const POINTS: f64 = 2048.0;
+const DIGITS: f64 = 9.0;
+const DIGITS_OF_TWICE: f64 = 2.0;
 
 /// Less returned light than this does not count.
 const NOTHING: f64 = 1e-9;
 
 pub(super) struct Returned {
     first: LobeResponse,
-    /// What is seen in diffuse light, and its Y by state; `None` if that is the first order, and at the
+    /// What is seen of figures in diffuse light, and its Y by state; `None` if that is the first order, and at the
     /// coarse level.
     diffuse: Option<(LobeResponse, Vec<f64>)>,
     /// Y of light that meets the pixel once, `[state]`.
     once: Vec<f64>,
-    /// Y over that of light that meets the pixel once, `[state]`: 1/(1 - q).
+    /// Y over that of light that meets the pixel once, `[state]`.
     orders: Vec<f64>,
-    /// What the front returns later; none at the coarse level, which takes the shape of the first order.
-    later: Option<Series>,
+    /// Places of the meetings of light that has more than one; `None` if there is none.
+    meetings: Option<Meetings>,
+    /// Part of the response that is of these meetings, `[state]`.
+    part: Vec<f64>,
 }
 
 /// Response of mirror-like pixels below a diffuser; `via_pixel` is the light of all orders,
@@ -93,61 +83,53 @@ impl Returned {
             .zip(all)
             .map(|(once, all)| if *once > 0.0 { (all / once).max(1.0) } else { 1.0 })
             .collect();
-        let is_fine = lit.level.is_fine && orders.iter().any(|orders| *orders > 1.0 + NOTHING);
-        let later = is_fine.then(|| later(lit, &first, (&once, &orders)));
-        let diffuse = (is_fine && *source != Source::Diffuse).then(|| {
+        let most = orders.iter().copied().fold(1.0, f64::max);
+        let meetings =
+            if most > 1.0 + NOTHING { meetings(lit, source, &first, (weights, most)) } else { None };
+        let part = |(number, orders): (&f64, &f64)| {
+            let more = number * (orders - 1.0);
+            more / (1.0 + more)
+        };
+        let part = match &meetings {
+            Some(meetings) => meetings.number.iter().zip(&orders).map(part).collect(),
+            None => vec![0.0; once.len()],
+        };
+        let diffuse = (meetings.is_some() && lit.level.is_fine && *source != Source::Diffuse).then(|| {
             let diffuse = lobe::response(lit, &Source::Diffuse, weights)?;
             let y = luminous(&diffuse);
             Ok::<_, DisplayError>((diffuse, y))
         });
-        Ok(Self { first, diffuse: diffuse.transpose()?, once, orders, later })
+        Ok(Self { first, diffuse: diffuse.transpose()?, once, orders, meetings, part })
     }
 }
 
-/// Light q Y of the states, by place.
-fn later(lit: Lit<'_>, first: &LobeResponse, (once, orders): (&[f64], &[f64])) -> Series {
-    let (thickness_mm, air_mm) = (lit.thickness_mm(), lit.air_of_one_front_mm().unwrap_or_default());
-    let period_mm = PERIOD * thickness_mm.max(0.25 * (thickness_mm + air_mm));
-    let step_per_mm = 1.0 / period_mm;
-    let power = if lit.level.is_broader { BROADER } else { 1.0 } * power(lit, air_mm);
-    let mut rest: Vec<Vec<f64>> = once.iter().map(|_| Vec::new()).collect();
-    for k in 0..=(HIGHEST / thickness_mm / step_per_mm) as usize {
-        let f = k as f64 * step_per_mm;
-        let [x, y] = [0, 1].map(|axis| first.transfer(axis, f));
-        let mut most = 0.0_f64;
-        for (state, rest) in rest.iter_mut().enumerate() {
-            let light = once[state] * (orders[state] - 1.0);
-            let blur =
-                if once[state] > 0.0 { 0.5 * (x[state].norm() + y[state].norm()) / once[state] } else { 0.0 };
-            let seen = blur.powf(power);
-            most = most.max(seen.abs());
-            rest.push(light * seen);
-        }
-        if most < FAINTEST {
-            break;
-        }
-    }
-    let at_mm = place_mm(lit, air_mm);
-    Series { step_per_mm, sharp: vec![0.0; once.len()], rest, at_mm, inside: None }
-}
-
-/// Exponent of the first order's blur that gives the blur of light that returns later.
-fn power(lit: Lit<'_>, air_mm: f64) -> f64 {
-    // Ways per direction cosine in the air and the glass: geometric means of those along and across the plane
-    // of view.
-    let index = lit.panel.medium.index();
-    let (index, beta) = (index[index.len() / 2], lit.view.field.axis_towards().squared());
-    let [air, glass] = [(air_mm, 1.0), (lit.thickness_mm(), index)]
-        .map(|(length, index): (f64, f64)| length * index / (index * index - beta).max(1e-6));
-    5.0 + 4.0 * air / glass
-}
-
-/// Centre of this light: a mirror shifts light on its way to the front and back.
-fn place_mm(lit: Lit<'_>, air_mm: f64) -> [f64; 2] {
-    let (beta, index) = (lit.view.field.axis_towards(), lit.panel.medium.index());
-    let glass = displacement(beta, 2.0 * lit.thickness_mm(), index[index.len() / 2]);
-    let air = displacement(beta, 2.0 * air_mm, 1.0);
-    [glass[0] + air[0], glass[1] + air[1]]
+/// Places of the meetings of light that has more than one; `most` is the largest `orders` of a state.
+fn meetings(
+    lit: Lit<'_>,
+    source: &Source,
+    first: &LobeResponse,
+    (weights, most): (&[f64], f64),
+) -> Option<Meetings> {
+    let Top::Diffuser(diffuser) = &lit.panel.top else { return None };
+    let (index, reflectance) = first.brightest()?;
+    let (front, total) = (&lit.panel.front.reflectance_below, weights.iter().sum::<f64>());
+    let kept = |(bin, weight): (usize, &f64)| weight * front[bin] * diffuser.transmittance[bin].powi(2);
+    let way = Way {
+        view: &lit.view.field,
+        source,
+        diffuser,
+        index,
+        glass_mm: lit.thickness_mm(),
+        air_mm: lit.air_of_one_front_mm().unwrap_or_default(),
+        kept: weights.iter().enumerate().map(kept).sum::<f64>() / total,
+    };
+    let count = POINTS * ((lit.level.digits - DIGITS) / DIGITS_OF_TWICE).exp2();
+    let (part, stream) = match lit.level {
+        Level { is_other: true, .. } => (0.25, 2),
+        Level { is_fine, .. } => (1.0, u64::from(!is_fine)),
+    };
+    let points = Points { count: (part * count) as usize, stream, returned: 1.0 - 1.0 / most };
+    Some(Meetings::new(&way, &points, lit.panel.base.states(), reflectance))
 }
 
 impl Returned {
@@ -175,122 +157,92 @@ impl Returned {
     /// Fraction of what returns to a line of a state that comes from the line itself; `at_mm`: of the place,
     /// from its middle.
     pub(super) fn own_of_line(&self, state: usize, (axis, width_mm): (usize, f64), at_mm: f64) -> f64 {
-        let edges = [-0.5 * width_mm - at_mm, 0.5 * width_mm - at_mm];
-        let light = match &self.later {
-            Some(later) => later.strips(axis, &edges),
-            None => self.first.strips(axis, &edges),
-        };
-        fraction(&light[state], 1)
+        let inside = |place: [f64; 2]| f64::from((place[axis] + at_mm).abs() < 0.5 * width_mm);
+        self.mean_of_later(inside)[state]
     }
 
-    /// What a state of one half of a pattern returns to itself, less what the other half does: the transform
-    /// at the frequencies of the pattern.
+    /// What a state of one half of a pattern returns to itself, less what the other half does: the correlation of the
+    /// pattern with itself.
     pub(super) fn own_of_pattern(&self, state: usize, kind: PatternKind, period_mm: f64) -> f64 {
-        let shape = |f: [f64; 2]| {
-            let length = f[0].hypot(f[1]);
-            let light = match &self.later {
-                Some(later) => {
-                    let turned =
-                        (0..2).map(|axis| (2.0 * PI * f[axis] * later.at_mm[axis]).cos()).product::<f64>();
-                    turned * later.at(length)[state] / later.at(0.0)[state]
-                }
-                None => self.first.transfer(0, length)[state].norm() / self.first.transfer(0, 0.0)[state].re,
-            };
-            if light.is_finite() { light } else { 0.0 }
-        };
-        let order = |k: u32| 8.0 / PI.powi(2) / f64::from(k * k);
-        let wave = |k: u32| f64::from(k) / period_mm;
-        let odd = || (1..MOST_WAVES).step_by(2);
-        match kind {
-            _ if period_mm == 0.0 => 0.0,
-            PatternKind::Stripes => odd().map(|k| order(k) * shape([wave(k), 0.0])).sum(),
-            PatternKind::Checkerboard => odd()
-                .flat_map(|j| odd().map(move |k| (j, k)))
-                .map(|(j, k)| order(j) * order(k) * shape([wave(j), wave(k)]))
-                .sum(),
+        if period_mm == 0.0 {
+            return 0.0;
         }
+        let along = |at_mm: f64| 1.0 - 4.0 * (at_mm / period_mm - (at_mm / period_mm).round()).abs();
+        self.mean_of_later(|[x, y]| match kind {
+            PatternKind::Stripes => along(x),
+            PatternKind::Checkerboard => along(x) * along(y),
+        })[state]
     }
 
     /// Fraction of what returns to each stroke of text of a state that comes from text.
     pub(super) fn own_of_text(&self, state: usize, text: &Text<'_>) -> Vec<f64> {
-        let (edges, total) = ([text.edges(0), text.edges(1)], |y: f64| if y > 0.0 { 1.0 / y } else { 0.0 });
-        let (cells, scale) = match &self.later {
-            Some(later) => (later.cells(&edges[0], &edges[1]), total(later.at(0.0)[state])),
-            None => (self.first.cells(&edges[0], &edges[1]), total(self.once[state])),
-        };
-        text.over_black(&cells[state]).into_iter().map(|light| scale * light).collect()
+        let (x, y) = (text.edges(0), text.edges(1));
+        match &self.meetings {
+            Some(meetings) => text.over_black(&meetings.cells_of_later(&x, &y)[state]),
+            None => text.over_black(&vec![0.0; (x.len() - 1) * (y.len() - 1)]),
+        }
     }
 
-    /// Light in bins: that of the last meeting, and what is returned later.
-    fn binned(
-        &self,
-        last: impl Fn(&LobeResponse) -> Vec<Vec<f64>>,
-        later: impl Fn(&Series) -> Vec<Vec<f64>>,
-    ) -> Vec<Vec<f64>> {
-        let mut sums = Vec::new();
-        for (response, factors) in self.last() {
-            let mut bins = last(response);
-            for (bins, factor) in bins.iter_mut().zip(&factors) {
-                bins.iter_mut().for_each(|light| *light *= factor);
+    /// Mean of a function of the place of what returns, `[state]`.
+    fn mean_of_later(&self, of: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+        self.meetings
+            .as_ref()
+            .map_or_else(|| vec![0.0; self.once.len()], |meetings| meetings.mean_of_later(of))
+    }
+
+    /// Light in bins: that of the first order, and that of all meetings of what is returned.
+    fn binned(&self, mut once: Vec<Vec<f64>>, further: impl Fn(&Meetings) -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let factor = |bins: &mut [Vec<f64>], of: &dyn Fn(usize) -> f64| {
+            for (state, bins) in bins.iter_mut().enumerate() {
+                bins.iter_mut().for_each(|light| *light *= of(state));
             }
-            add(&mut sums, bins);
+        };
+        factor(&mut once, &|state| self.orders[state] * (1.0 - self.part[state]));
+        if let Some(meetings) = &self.meetings {
+            let mut bins = further(meetings);
+            factor(&mut bins, &|state| self.of_meetings(state));
+            add(&mut once, bins);
         }
-        if let Some(series) = &self.later {
-            add(&mut sums, later(series));
-        }
-        sums
+        once
     }
 
-    /// Responses to the light of the last meeting, with their factors by state: all light, `(1 - q) Y` beside
-    /// what returns later.
-    fn last(&self) -> Vec<(&LobeResponse, Vec<f64>)> {
-        let Some((diffuse, y)) = &self.diffuse else {
-            let factors = if self.later.is_some() { vec![1.0; self.once.len()] } else { self.orders.clone() };
-            return vec![(&self.first, factors)];
-        };
-        let first = self.orders.iter().map(|orders| 1.0 / orders).collect();
-        let of_diffuse = |(state, orders): (usize, &f64)| {
-            if y[state] > 0.0 { (1.0 - 1.0 / orders) * self.once[state] / y[state] } else { 0.0 }
-        };
-        vec![(&self.first, first), (diffuse, self.orders.iter().enumerate().map(of_diffuse).collect())]
+    /// Light of the meetings of what is returned.
+    fn of_meetings(&self, state: usize) -> f64 {
+        self.once[state] * self.orders[state] * self.part[state]
     }
-}
-
-/// Part of the light that is in a bin.
-fn fraction(bins: &[f64], bin: usize) -> f64 {
-    let total: f64 = bins.iter().sum();
-    if total > 0.0 { bins[bin] / total } else { 0.0 }
 }
 
 impl Response for Returned {
-    fn is_estimated(&self) -> bool {
+    fn has_other_points(&self) -> bool {
         self.orders.iter().any(|orders| *orders > 1.0 + NOTHING)
     }
 
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
-        let mut sums = vec![Complex64::ZERO; self.once.len()];
-        for (response, factors) in self.last() {
-            let light = response.transfer(axis, frequency_per_mm).into_iter().zip(factors);
-            sums.iter_mut().zip(light).for_each(|(sum, (light, factor))| *sum += light * factor);
+        let mut sums = self.first.transfer(axis, frequency_per_mm);
+        for (state, sum) in sums.iter_mut().enumerate() {
+            *sum *= self.orders[state] * (1.0 - self.part[state]);
         }
-        if let Some(later) = &self.later {
-            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * later.at_mm[axis]);
-            let light = later.at(frequency_per_mm);
-            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * phase);
+        if let Some(meetings) = &self.meetings {
+            let light = meetings.transfer(axis, frequency_per_mm).into_iter().enumerate();
+            sums.iter_mut()
+                .zip(light)
+                .for_each(|(sum, (state, part))| *sum += self.of_meetings(state) * part);
         }
         sums
     }
 
     fn strips(&self, axis: usize, edges_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.binned(|last| last.strips(axis, edges_mm), |later| later.strips(axis, edges_mm))
+        let bin = |place: [f64; 2]| edges_mm.partition_point(|edge| *edge <= place[axis]);
+        self.binned(self.first.strips(axis, edges_mm), |further| further.bins(edges_mm.len() + 1, bin))
     }
 
     fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.binned(|last| last.rings(radii_mm), |later| later.rings(radii_mm))
+        let bin = |[x, y]: [f64; 2]| radii_mm.partition_point(|radius| *radius <= x.hypot(y));
+        self.binned(self.first.rings(radii_mm), |further| further.bins(radii_mm.len() + 1, bin))
     }
 
     fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.binned(|last| last.cells(x_mm, y_mm), |later| later.cells(x_mm, y_mm))
+        self.binned(self.first.cells(x_mm, y_mm), |further| further.cells(x_mm, y_mm))
     }
 
     fn line(&self, [line, page]: [usize; 2], axis: usize, width_mm: f64, _: Level) -> Option<f64> {
@@ -302,12 +254,13 @@ impl Response for Returned {
         Some(self.figure([line, page], change, self.own_of_line(line, (axis, width_mm), 0.0)))
     }
 
-    fn pattern_mean(&self, pattern: Pattern, _: Level) -> Option<f64> {
+    fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {
         let Pattern { kind, period_mm, states: [on, off] } = pattern;
         let own = self.own_of_pattern(on, kind, period_mm);
         let half = |state: usize, other: usize| {
-            let mixed = 1.0 / (0.5 / self.orders[state] + 0.5 / self.orders[other]);
-            0.5 * self.once[state] * (mixed + own * (self.orders[state] - mixed))
+            let [one, other] = [self.orders[state], self.orders[other]];
+            let mixed = if level.is_fine { 2.0 / (1.0 / one + 1.0 / other) } else { 0.5 * (one + other) };
+            0.5 * self.once[state] * (mixed + own * (one - mixed))
         };
         Some(half(on, off) + half(off, on))
     }
@@ -332,10 +285,10 @@ impl Response for Returned {
     }
 
     fn images(&self) -> Vec<[f64; 2]> {
-        self.last().iter().flat_map(|(response, _)| response.images()).collect()
+        Response::images(&self.first)
     }
 
     fn peaks(&self) -> Vec<Peak> {
-        self.last().iter().flat_map(|(response, _)| response.peaks()).collect()
+        Response::peaks(&self.first)
     }
 }

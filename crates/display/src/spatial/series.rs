@@ -34,27 +34,6 @@ impl Series {
         self.rest.first().map_or(0, Vec::len)
     }
 
-    /// Light of each state at a frequency, without phase: cubic between those of the series, nothing beyond.
-    pub(super) fn at(&self, frequency_per_mm: f64) -> Vec<f64> {
-        let place = frequency_per_mm / self.step_per_mm;
-        let first = place.floor() as i64 - 1;
-        let t = place - place.floor();
-        let weights = [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ];
-        let of_state = |(sharp, rest): (&f64, &Vec<f64>)| {
-            // The transform is the same on both sides of 0.
-            let at = |k: i64| rest.get(k.unsigned_abs() as usize).copied().unwrap_or(0.0);
-            let terms = weights.iter().enumerate().map(|(k, weight)| weight * at(first + k as i64));
-            sharp + terms.sum::<f64>()
-        };
-        let sums = self.sharp.iter().zip(&self.rest).map(of_state).collect();
-        self.with_inside(sums, |spread| spread.at(frequency_per_mm))
-    }
-
     /// Adds a part of the light that spreads inside the pixel.
     fn with_inside(&self, mut sums: Vec<f64>, part: impl FnOnce(&PixelSpread) -> f64) -> Vec<f64> {
         if let Some((spread, light)) = &self.inside {

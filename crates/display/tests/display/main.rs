@@ -42,6 +42,7 @@ mod placed;
 mod polarised_crystals;
 mod port;
 mod prepared;
+mod returned;
 mod shown;
 mod spread_within;
 mod sub_pixels;

@@ -102,7 +102,7 @@ impl<'a> Frame<'a> {
             let finer = level.saturating_sub(1) as u32;
             self.measure(
                 view,
-                Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_broader: false, finer },
+                Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_other: false, finer },
             )
         };
         refined(self.setup, view, (finest, factor), at, control)

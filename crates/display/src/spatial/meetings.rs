@@ -1,0 +1,317 @@
+//! Where light meets mirror-like pixels below a diffuser that a front of screen returned to them before.
+//!
+//! **What.** Followed from the view, light meets the pixel along a direction of the lobe about the view, leaves through
+//! the diffuser, is returned by the front, passes the diffuser again, meets the pixel, and so on: m meetings take 2 m
+//! passes of the diffuser, the last one towards the source. A small change of the pixel at any of them changes what is
+//! seen. These are the places of all meetings of light that has more than one, with their parts of the response.
+//!
+//! **How.** The integral over the directions of all passes is a sum over few Sobol points. Through lobes with wide tails
+//! light from a lamp makes most of its way at a single pass: for each pass j, the directions before it follow the lobe
+//! from the view, those behind it the lobe from the lamp. A point then counts as the harmonic mean of the lobes of all passes,
+//! which is the balance heuristic of these samplers.
+//!
+//! **Limits.** The pixel has the mean reflectance of all wavelengths at each direction, and the glass the index of the
+//! brightest part of the light. How much light this is in all is not a part of it.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+use papilio_optics::Beta;
+use papilio_optics::scatterer::Scatterer;
+use papilio_sampling::{SampleStream, Sampler};
+use papilio_transport::spatial::displacement;
+use papilio_transport::{Cone, Diffuser, Source};
+
+/// Most meetings that are followed, and the fraction of the light below which no further ones are.
+const MOST: usize = 12;
+const FAINTEST: f64 = 1e-5;
+
+/// Fewest points of a number of meetings.
+const FEWEST: usize = 512;
+
+/// Points along an axis become one where they are closer than this part of their distance, or of the thickness.
+const CLOSE: f64 = 0.01;
+const CLOSE_OF_THICKNESS: f64 = 1e-3;
+
+/// What light passes.
+pub(super) struct Way<'a> {
+    pub(super) view: &'a Cone,
+    pub(super) source: &'a Source,
+    pub(super) diffuser: &'a Diffuser,
+    pub(super) index: f64,
+    pub(super) glass_mm: f64,
+    pub(super) air_mm: f64,
+    /// Fraction that one more meeting leaves of the light, without the pixel's reflectance.
+    pub(super) kept: f64,
+}
+
+/// Points: how many, of which replicate, and the fraction that comes back of the light of the brightest state.
+pub(super) struct Points {
+    pub(super) count: usize,
+    pub(super) stream: u64,
+    pub(super) returned: f64,
+}
+
+/// Places of meetings, each with its part of the response of each state.
+pub(super) struct Meetings {
+    places_mm: Vec<[f64; 2]>,
+    /// `[place][state]`; the sum over the places is 1, or 0 without light.
+    parts: Vec<f64>,
+    /// Numbers of the places of meetings that are not seen directly.
+    later: Vec<usize>,
+    states: usize,
+    /// Number of meetings of this light, its mean, `[state]`.
+    pub(super) number: Vec<f64>,
+    /// Points that are close along an axis: places and parts.
+    lines: [Vec<(f64, Vec<f64>)>; 2],
+}
+
+impl Meetings {
+    /// `reflectance` writes that of each state at `|beta|^2`.
+    pub(super) fn new(
+        way: &Way<'_>,
+        points: &Points,
+        states: usize,
+        reflectance: impl Fn(f64, &mut [f64]),
+    ) -> Self {
+        let (mut places_mm, mut parts, mut later) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut light, mut all) = (vec![0.0; states], vec![0.0; states]);
+        let mut chain = Chain::default();
+        let (mut rho, mut seen) = (vec![0.0; states], vec![0.0; states]);
+        let mut fraction = 1.0;
+        for meetings in 2..=MOST {
+            if meetings > 2 && fraction * points.returned < FAINTEST {
+                break;
+            }
+            let count = ((points.count as f64 * fraction) as usize).max(FEWEST);
+            let numbers = SampleStream::new(Sampler::Sobol, points.stream, meetings as u64);
+            for point in 0..count as u64 {
+                let weight = chain.follow(way, meetings, &numbers, point);
+                if weight <= 0.0 {
+                    continue;
+                }
+                seen.fill(weight * way.kept.powi(meetings as i32 - 1) / count as f64);
+                for beta in chain.at_pixel() {
+                    reflectance(beta.squared(), &mut rho);
+                    seen.iter_mut().zip(&rho).for_each(|(seen, rho)| *seen *= rho.max(0.0));
+                }
+                let first = places_mm.len();
+                chain.each_place(way, |place_mm| {
+                    places_mm.push(place_mm);
+                    parts.extend(&seen);
+                });
+                later.extend(first + 1..places_mm.len());
+                for (state, seen) in seen.iter().enumerate() {
+                    light[state] += seen;
+                    all[state] += meetings as f64 * seen;
+                }
+            }
+            fraction *= points.returned;
+        }
+        let scale: Vec<f64> = all.iter().map(|all| if *all > 0.0 { 1.0 / all } else { 0.0 }).collect();
+        parts.chunks_exact_mut(states).for_each(|row| row.iter_mut().zip(&scale).for_each(|(p, s)| *p *= s));
+        let number = light.iter().zip(&all).map(|(light, all)| if *light > 0.0 { all / light } else { 2.0 });
+        let number = number.collect();
+        let mut found = Self { places_mm, parts, later, states, number, lines: Default::default() };
+        found.lines = [0, 1].map(|axis| found.line(axis, CLOSE_OF_THICKNESS * way.glass_mm));
+        found
+    }
+
+    /// Joins points that are close along an axis, each group at its mean place.
+    fn line(&self, axis: usize, least_mm: f64) -> Vec<(f64, Vec<f64>)> {
+        let mut order: Vec<usize> = (0..self.places_mm.len()).collect();
+        order.sort_by(|a, b| self.places_mm[*a][axis].total_cmp(&self.places_mm[*b][axis]));
+        let mut line: Vec<(f64, Vec<f64>)> = Vec::new();
+        let (mut first, mut moment, mut weight) = (f64::NEG_INFINITY, 0.0, 0.0);
+        for point in order {
+            let (at, parts) = (self.places_mm[point][axis], self.of(point));
+            let own: f64 = parts.iter().sum();
+            match line.last_mut() {
+                Some((mean, sums)) if at - first <= least_mm.max(CLOSE * first.abs().min(at.abs())) => {
+                    sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+                    (moment, weight) = (moment + own * at, weight + own);
+                    if weight > 0.0 {
+                        *mean = moment / weight;
+                    }
+                }
+                _ => {
+                    line.push((at, parts.to_vec()));
+                    (first, moment, weight) = (at, own * at, own);
+                }
+            }
+        }
+        line
+    }
+
+    fn of(&self, point: usize) -> &[f64] {
+        &self.parts[point * self.states..][..self.states]
+    }
+
+    /// Mean of a function of the place over the meetings that are not seen directly, `[state]`.
+    pub(super) fn mean_of_later(&self, of: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.states];
+        for point in &self.later {
+            let value = of(self.places_mm[*point]);
+            sums.iter_mut().zip(self.of(*point)).for_each(|(sum, part)| *sum += part * value);
+        }
+        sums.iter().zip(&self.number).map(|(sum, number)| sum * number / (number - 1.0)).collect()
+    }
+
+    /// Parts of the meetings that are not seen directly in cells between ascending borders, mm, rows from the bottom; the
+    /// sum over all places is 1, `[state][cell]`.
+    pub(super) fn cells_of_later(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
+        let scale = self.number.iter().map(|number| number / (number - 1.0));
+        let mut cells = self.in_cells(self.later.iter().copied(), x_mm, y_mm);
+        cells
+            .iter_mut()
+            .zip(scale)
+            .for_each(|(cells, scale)| cells.iter_mut().for_each(|part| *part *= scale));
+        cells
+    }
+
+    /// Parts of all meetings in cells.
+    pub(super) fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
+        self.in_cells(0..self.places_mm.len(), x_mm, y_mm)
+    }
+
+    fn in_cells(&self, points: impl Iterator<Item = usize>, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
+        let columns = x_mm.len() - 1;
+        let between = |edges: &[f64], at: f64| {
+            edges.partition_point(|edge| *edge <= at).checked_sub(1).filter(|bin| *bin + 1 < edges.len())
+        };
+        self.in_bins(points, columns * (y_mm.len() - 1), |[x, y]| {
+            between(x_mm, x).zip(between(y_mm, y)).map(|(column, row)| row * columns + column)
+        })
+    }
+
+    /// Transform at a frequency along an axis, cycles per mm, `[state]`.
+    pub(super) fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
+        let mut sums = vec![Complex64::ZERO; self.states];
+        for (at, parts) in &self.lines[axis] {
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * at);
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += phase * part);
+        }
+        sums
+    }
+
+    /// Parts of all meetings in bins, `[state][bin]`.
+    pub(super) fn bins(&self, count: usize, bin: impl Fn([f64; 2]) -> usize) -> Vec<Vec<f64>> {
+        self.in_bins(0..self.places_mm.len(), count, |place| Some(bin(place)))
+    }
+
+    fn in_bins(
+        &self,
+        points: impl Iterator<Item = usize>,
+        count: usize,
+        bin: impl Fn([f64; 2]) -> Option<usize>,
+    ) -> Vec<Vec<f64>> {
+        let mut bins = vec![vec![0.0; count]; self.states];
+        for point in points {
+            if let Some(bin) = bin(self.places_mm[point]) {
+                bins.iter_mut().zip(self.of(point)).for_each(|(bins, part)| bins[bin] += part);
+            }
+        }
+        bins
+    }
+}
+
+/// Directions of light from the view to the source, and which passes of the diffuser between them keep the direction.
+#[derive(Default)]
+struct Chain {
+    beta: Vec<Beta>,
+    kept: Vec<bool>,
+}
+
+impl Chain {
+    /// Follows light of a number of meetings; returns its weight, 0 if there is none.
+    fn follow(&mut self, way: &Way<'_>, meetings: usize, numbers: &SampleStream, point: u64) -> f64 {
+        let passes = 2 * meetings;
+        let [u, v, pass, _] = numbers.block(point, 2);
+        let [lamp_u, lamp_v, ..] = numbers.block(point, 3);
+        self.beta.clear();
+        self.beta.resize(passes + 1, way.view.sample_towards([u, v]));
+        self.kept.clear();
+        let regular = way.diffuser.regular_fraction;
+        self.kept
+            .extend((0..passes).map(|k| regular > 0.0 && numbers.block(point, 100 + k as u32)[0] < regular));
+        let (lamp, radiance) = match way.source {
+            Source::Diffuse => (None, 1.0),
+            Source::Beam(beta) => (Some(*beta), 1.0),
+            Source::Disc(cone) => (Some(-cone.sample_towards([lamp_u, lamp_v])), 1.0),
+            Source::Field(field) => {
+                let (beta, density) = field.sample([lamp_u, lamp_v]);
+                (Some(beta), if density > 0.0 { field.radiance(beta) / density } else { 0.0 })
+            }
+        };
+        let step = |from: Beta, k: usize| {
+            // The passes of two meetings have numbers of the set, as the view and the lamp; further ones are random.
+            let block = if k < 4 { k / 2 } else { 4 + k / 2 };
+            let [a, b, c, d] = numbers.block(point, block as u32);
+            way.diffuser.lobe.sample_direction(from, if k % 2 == 0 { [a, b] } else { [c, d] })
+        };
+        let Some(lamp) = lamp else {
+            for k in 0..passes - 1 {
+                let next = if self.kept[k] { Some(self.beta[k]) } else { step(self.beta[k], k) };
+                let Some(next) = next.filter(|next| next.squared() < limit(k + 1, way.index)) else {
+                    return 0.0;
+                };
+                self.beta[k + 1] = next;
+            }
+            let last = self.beta[passes - 1].length();
+            let straight = if last < 1.0 { regular } else { 0.0 };
+            return straight + (1.0 - regular) * way.diffuser.lobe.fraction_in_disc(last, 1.0);
+        };
+        let scattering: Vec<usize> = (0..passes).filter(|k| !self.kept[*k]).collect();
+        self.beta[passes] = lamp;
+        if scattering.is_empty() {
+            let directions = way.view.projected_solid_angle();
+            self.beta.fill(lamp);
+            return if directions > 0.0 && way.view.holds(lamp) { radiance / directions } else { 0.0 };
+        }
+        let free = scattering[((pass * scattering.len() as f64) as usize).min(scattering.len() - 1)];
+        for k in 0..free {
+            let next = if self.kept[k] { Some(self.beta[k]) } else { step(self.beta[k], k) };
+            let Some(next) = next else { return 0.0 };
+            self.beta[k + 1] = next;
+        }
+        for k in (free + 1..passes).rev() {
+            let next = if self.kept[k] { Some(self.beta[k + 1]) } else { step(self.beta[k + 1], k) };
+            let Some(next) = next else { return 0.0 };
+            self.beta[k] = next;
+        }
+        if (1..passes).any(|k| self.beta[k].squared() >= limit(k, way.index)) {
+            return 0.0;
+        }
+        let inverse =
+            scattering.iter().map(|k| 1.0 / way.diffuser.lobe.evaluate(self.beta[*k], self.beta[k + 1]));
+        radiance * scattering.len() as f64 / inverse.sum::<f64>()
+    }
+
+    /// Directions along which light meets the pixel.
+    fn at_pixel(&self) -> impl Iterator<Item = &Beta> {
+        self.beta[..self.beta.len() - 1].iter().skip(1).step_by(2)
+    }
+
+    /// Calls a function with the place of each meeting, relative to where the view's own ray meets the pixel.
+    fn each_place(&self, way: &Way<'_>, mut each: impl FnMut([f64; 2])) {
+        let own = displacement(self.beta[0], way.glass_mm, way.index);
+        let mut place = own.map(|own| -own);
+        for k in 1..self.beta.len() - 1 {
+            let beta = self.beta[k];
+            let (length, index) =
+                if k % 2 == 1 { (way.glass_mm, way.index) } else { (2.0 * way.air_mm, 1.0) };
+            let by = displacement(beta, length, index);
+            (0..2).for_each(|axis| place[axis] += by[axis]);
+            if k % 2 == 1 {
+                each(place);
+                (0..2).for_each(|axis| place[axis] += by[axis]);
+            }
+        }
+    }
+}
+
+/// Square of the limit of direction cosines: light meets the pixel in the glass at odd numbers, and the front in the air at
+/// even ones.
+fn limit(number: usize, index: f64) -> f64 {
+    if number % 2 == 1 { index * index } else { 1.0 }
+}

@@ -1,0 +1,120 @@
+//! Mirror-like pixels below a lobe and a front that reflects: light that meets them more than once.
+
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_display::spatial::{MtfState, MtfView, mtf};
+use papilio_scenario::Scenario;
+
+/// A front at a distance, a lobe, glass, and light from everywhere and from a lamp.
+struct Case {
+    front: [f64; 2],
+    width: f64,
+    view_deg: f64,
+    diffuse: f64,
+}
+
+impl Case {
+    fn view(&self, solver: &str) -> (Vec<f64>, MtfView) {
+        let Self { front: [reflectance, gap_mm], width, view_deg, diffuse } = self;
+        let lamp = match diffuse {
+            1.0 => String::new(),
+            _ => format!("[[lighting.directed]]\ntheta_deg = -50\nshare = {}\n", 1.0 - diffuse),
+        };
+        let text = format!(
+            "[[display.front]]\nreflectance = {reflectance}\ngap_mm = {gap_mm}\n[display.diffuser]\nmodel = \"k-correlation\"\n\
+             width = {width}\ntransmittance = 0.95\n[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n[display.matrix]\nppi = 150\n\
+             layout = \"single\"\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
+             reflectance = {{ white = 0.8, black = 0.05 }}\n[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\n\
+             diffuse = {diffuse}\n{lamp}[viewer]\ntheta_deg = {view_deg}\nfield_deg = 0\n[spectrum]\nrange_nm = [540, 560]\n\
+             step_nm = 20\n[solver]\n{solver}\n"
+        );
+        let resolved =
+            Scenario::from_text(&text, "returned.toml", Path::new("."), &[]).unwrap().resolve().unwrap();
+        let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+        let mut found = mtf(&resolved.scene, &resolved.patterns, &control).unwrap();
+        (found.frequency_per_mm, found.views.remove(0))
+    }
+}
+
+fn white(view: &MtfView) -> &MtfState {
+    view.states.get("white").unwrap()
+}
+
+/// Seen along the normal in diffuse light, for small angles: of light that meets the pixel twice each pass of a lobe adds its
+/// width over all that follows, 5 lengths of the glass and 4 of the air. What is neglected, light beyond the hemisphere, is of the order of the
+/// width of the lobe, and all there is where a period is longer than the glass is thick.
+#[test]
+fn returned_light_of_a_narrow_lobe_has_its_closed_form() {
+    let case = Case { front: [0.1, 0.2], width: 0.01, view_deg: 0.0, diffuse: 1.0 };
+    let (frequencies, view) = case.view("relative_error = 1e-3");
+    let (otf, q) = (&white(&view).otf, 0.8 * 0.1 * 0.95 * 0.95);
+    let mut without = 0.0_f64;
+    for (k, f) in frequencies.iter().enumerate().filter(|(_, f)| **f >= 2.0) {
+        let z = |length_mm: f64| (-2.0 * PI * f * 0.01 * length_mm).exp();
+        let (glass, air) = (0.3 / 1.5, 0.2);
+        let expected = (1.0 - q) * z(glass)
+            + (1.0 - q) * q * z(5.0 * glass + 4.0 * air)
+            + q * q * z(13.0 * glass + 12.0 * air);
+        for (otf, error) in [(&otf.otf_x, &otf.error_x), (&otf.otf_y, &otf.error_y)] {
+            let off = (otf[k][0] - expected).hypot(otf[k][1]);
+            assert!(off < error[k] + 0.012, "{f}: {:?} +- {} against {expected}", otf[k], error[k]);
+        }
+        without = without.max(z(glass) - expected);
+    }
+    assert!(without > 0.025, "{without}");
+}
+
+/// By paths: light that the front returns moves by twice the way through the air, and spreads.
+#[test]
+fn returned_light_is_that_of_paths() {
+    for (case, paths) in [
+        (Case { front: [0.3, 10.0], width: 0.08, view_deg: 20.0, diffuse: 0.5 }, 4096),
+        (Case { front: [0.08, 1.0], width: 0.08, view_deg: 8.0, diffuse: 1.0 }, 2048),
+    ] {
+        let (frequencies, exact) = case.view("relative_error = 1e-2");
+        let (_, paths) = case.view(&format!("method = \"monte-carlo\"\npaths = {paths}"));
+        for ((name, exact), (_, paths)) in exact.states.iter().zip(paths.states.iter()) {
+            let axes = [
+                (&exact.otf.otf_x, &exact.otf.error_x, &paths.otf.otf_x, &paths.otf.error_x),
+                (&exact.otf.otf_y, &exact.otf.error_y, &paths.otf.otf_y, &paths.otf.error_y),
+            ];
+            for (axis, (otf, stated, found, error)) in axes.into_iter().enumerate() {
+                for (k, f) in frequencies.iter().enumerate() {
+                    let off = (otf[k][0] - found[k][0]).hypot(otf[k][1] - found[k][1]);
+                    let allowed = 4.5 * stated[k].hypot(error[k]) + 1e-6;
+                    let pair = [(otf[k], stated[k]), (found[k], error[k])];
+                    assert!(off < allowed, "{name} {axis} {f}: {pair:?}");
+                    assert!(stated[k] < 0.02, "{name} {axis} {f}: {pair:?}");
+                }
+            }
+            let off = (exact.Y_via_pixel - paths.Y_via_pixel).abs();
+            assert!(off < 4.5 * exact.Y_via_pixel_error.hypot(paths.Y_via_pixel_error), "{name}: {off}");
+        }
+    }
+}
+
+/// Paths through a long way to the front, which little light takes: most of it is within a part of the glass. What is read from tables of
+/// places is that of adding.
+#[test]
+fn radii_and_edges_do_not_depend_on_how_far_light_goes() {
+    let case = Case { front: [0.3, 10.0], width: 0.08, view_deg: 20.0, diffuse: 1.0 };
+    let [(_, exact), (_, paths)] =
+        ["relative_error = 1e-2", "method = \"monte-carlo\"\npaths = 8192"].map(|solver| case.view(solver));
+    let [exact, paths] = [&exact, &paths].map(|view| view.states.get("black").unwrap());
+    let read = |state: &MtfState| {
+        let (value, error) = (state.scalars, state.error);
+        [
+            (value.r50_um, error.r50_um),
+            (value.edge_10_90_x_um, error.edge_10_90_x_um),
+            (value.edge_10_90_y_um, error.edge_10_90_y_um),
+        ]
+        .map(|(value, error)| (value.unwrap(), error.unwrap()))
+    };
+    for ((value, stated), (found, error)) in read(exact).into_iter().zip(read(paths)) {
+        assert!((value - found).abs() < 4.5 * stated.hypot(error), "{value} +- {stated}, {found} +- {error}");
+        assert!(error < 0.05 * found, "{found} +- {error}");
+    }
+}
