@@ -290,7 +290,7 @@ fn mistakes_are_explained() {
         (
             "retardance_nm = 275",
             "retardance_nm = -9000, thickness_um = 1",
-            "has an index of -7.5 along an axis",
+            "has an index of -9.123 along an axis",
         ),
         (
             "twist_deg = 63.6, slices = 40, pretilt_deg = 2, states",

@@ -232,7 +232,7 @@ fn fringes_too_close_for_the_grid_are_warned_of() {
         warnings(Path::new(""), sets).into_iter().filter(of_films).collect::<Vec<_>>()
     };
     assert!(said(&[]).is_empty());
-    let (thick, fine) = ("display.pixel.gap_nm.red=6000", "spectrum.step_nm=2");
+    let (thick, fine) = ("display.pixel.gap_nm.red=6000", "spectrum.step_nm=1");
     let coarse = said(&[thick]);
     assert_eq!(coarse.len(), 1);
     // lambda^2/(2 d) at 580 nm, with the 12 nm of chromium.
@@ -241,7 +241,8 @@ fn fringes_too_close_for_the_grid_are_warned_of() {
         " 27.",
         " nm apart near 580 nm",
         "spectrum.step_nm = 5",
-        "set spectrum.step_nm = 2",
+        "for light at 8 deg",
+        "set spectrum.step_nm = 1",
     ];
     assert!(words.iter().all(|words| coarse[0].contains(words)), "{coarse:?}");
     assert!(said(&[thick, fine]).is_empty(), "{:?}", said(&[thick, fine]));
