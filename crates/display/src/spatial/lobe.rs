@@ -67,6 +67,22 @@ pub(super) struct LobeResponse {
     lines: [OnceLock<Vec<LineSpread>>; 2],
 }
 
+/// A part of the light.
+pub(super) struct Brightest<'a> {
+    /// Index of the glass.
+    pub(super) index: f64,
+    curves: &'a Curves,
+    light: f64,
+}
+
+impl Brightest<'_> {
+    /// Writes the mean reflectance of each state at `|beta|^2` in this light.
+    pub(super) fn reflectance(&self, beta_squared: f64, y: &mut [f64]) {
+        self.curves.at(beta_squared, y);
+        y.iter_mut().for_each(|y| *y /= self.light);
+    }
+}
+
 impl LobeResponse {
     /// Light along an axis, by part.
     fn lines(&self, axis: usize) -> &[LineSpread] {
@@ -76,15 +92,11 @@ impl LobeResponse {
         self.lines[axis].get_or_init(|| self.points().zip(&self.curves).map(of_part).collect())
     }
 
-    /// Index of the glass of the brightest part, and the mean reflectance of each state at `|beta|^2` in its light.
-    pub(super) fn brightest(&self) -> Option<(f64, impl Fn(f64, &mut [f64]))> {
+    /// The brightest part; `None` without light.
+    pub(super) fn brightest(&self) -> Option<Brightest<'_>> {
         let (number, light) = self.light.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-        let curves = &self.curves[number];
-        let reflectance = move |beta_squared: f64, y: &mut [f64]| {
-            curves.at(beta_squared, y);
-            y.iter_mut().for_each(|y| *y /= light);
-        };
-        (*light > 0.0).then(|| (self.spread.parts()[number].index(), reflectance))
+        let (index, curves) = (self.spread.parts()[number].index(), &*self.curves[number]);
+        (*light > 0.0).then_some(Brightest { index, curves, light: *light })
     }
 
     /// Sums what each part has in bins, `[state][bin]`.

@@ -247,7 +247,7 @@ impl Chain {
             // The passes of two meetings have numbers of the set, as the view and the lamp; further ones are random.
             let block = if k < 4 { k / 2 } else { 4 + k / 2 };
             let [a, b, c, d] = numbers.block(point, block as u32);
-            way.diffuser.lobe.sample_direction(from, if k % 2 == 0 { [a, b] } else { [c, d] })
+            way.diffuser.lobe.sample_direction(from, if k.is_multiple_of(2) { [a, b] } else { [c, d] })
         };
         let Some(lamp) = lamp else {
             for k in 0..passes - 1 {

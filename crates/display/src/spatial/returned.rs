@@ -111,14 +111,14 @@ fn meetings(
     (weights, most): (&[f64], f64),
 ) -> Option<Meetings> {
     let Top::Diffuser(diffuser) = &lit.panel.top else { return None };
-    let (index, reflectance) = first.brightest()?;
+    let brightest = first.brightest()?;
     let (front, total) = (&lit.panel.front.reflectance_below, weights.iter().sum::<f64>());
     let kept = |(bin, weight): (usize, &f64)| weight * front[bin] * diffuser.transmittance[bin].powi(2);
     let way = Way {
         view: &lit.view.field,
         source,
         diffuser,
-        index,
+        index: brightest.index,
         glass_mm: lit.thickness_mm(),
         air_mm: lit.air_of_one_front_mm().unwrap_or_default(),
         kept: weights.iter().enumerate().map(kept).sum::<f64>() / total,
@@ -129,7 +129,7 @@ fn meetings(
         Level { is_fine, .. } => (1.0, u64::from(!is_fine)),
     };
     let points = Points { count: (part * count) as usize, stream, returned: 1.0 - 1.0 / most };
-    Some(Meetings::new(&way, &points, lit.panel.base.states(), reflectance))
+    Some(Meetings::new(&way, &points, lit.panel.base.states(), |beta, rho| brightest.reflectance(beta, rho)))
 }
 
 impl Returned {

@@ -194,16 +194,14 @@ impl Grid {
         let from = panel.displacements(own);
         let narrow = OF_RADIUS * half_of_light_mm;
         let at = |beta: Beta| {
-            let pairs = panel
-                .displacements(beta)
-                .into_iter()
-                .zip(&from)
-                .filter(|((height_mm, _), _)| *height_mm > 0.0);
-            let peak = |((height_mm, [x, y]), (_, from)): ((f64, [f64; 2]), &(f64, [f64; 2]))| Peak {
-                at_mm: [x - from[0], y - from[1]],
-                width_mm: (DENSE * height_mm).min(narrow).max(1e-6),
+            let to = panel.displacements(beta);
+            let peak = |k: usize| {
+                let (height_mm, [x, y]) = to[k];
+                let [own_x, own_y] = from[k].1;
+                let width_mm = (DENSE * height_mm).min(narrow).max(1e-6);
+                Peak { at_mm: [x - own_x, y - own_y], width_mm }
             };
-            pairs.map(peak).collect::<Vec<_>>()
+            (0..to.len()).filter(|k| to[*k].0 > 0.0).map(peak).collect::<Vec<_>>()
         };
         let peaks: Vec<Peak> = std::iter::once(own).chain(beams).flat_map(at).collect();
         let extent = (EXTENT * thickness).max(1e-3);
