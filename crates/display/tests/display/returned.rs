@@ -25,8 +25,8 @@ impl Case {
         };
         let text = format!(
             "[[display.front]]\nreflectance = {reflectance}\ngap_mm = {gap_mm}\n[display.diffuser]\nmodel = \"k-correlation\"\n\
-             width = {width}\ntransmittance = 0.95\n[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n[display.matrix]\nppi = 150\n\
-             layout = \"single\"\n[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
+             width = {width}\ntransmittance = 0.95\n[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n\
+             [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
              reflectance = {{ white = 0.8, black = 0.05 }}\n[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\n\
              diffuse = {diffuse}\n{lamp}[viewer]\ntheta_deg = {view_deg}\nfield_deg = 0\n[spectrum]\nrange_nm = [540, 560]\n\
              step_nm = 20\n[solver]\n{solver}\n"
@@ -70,29 +70,25 @@ fn returned_light_of_a_narrow_lobe_has_its_closed_form() {
 /// By paths: light that the front returns moves by twice the way through the air, and spreads.
 #[test]
 fn returned_light_is_that_of_paths() {
-    for (case, paths) in [
-        (Case { front: [0.3, 10.0], width: 0.08, view_deg: 20.0, diffuse: 0.5 }, 4096),
-        (Case { front: [0.08, 1.0], width: 0.08, view_deg: 8.0, diffuse: 1.0 }, 2048),
-    ] {
-        let (frequencies, exact) = case.view("relative_error = 1e-2");
-        let (_, paths) = case.view(&format!("method = \"monte-carlo\"\npaths = {paths}"));
-        for ((name, exact), (_, paths)) in exact.states.iter().zip(paths.states.iter()) {
-            let axes = [
-                (&exact.otf.otf_x, &exact.otf.error_x, &paths.otf.otf_x, &paths.otf.error_x),
-                (&exact.otf.otf_y, &exact.otf.error_y, &paths.otf.otf_y, &paths.otf.error_y),
-            ];
-            for (axis, (otf, stated, found, error)) in axes.into_iter().enumerate() {
-                for (k, f) in frequencies.iter().enumerate() {
-                    let off = (otf[k][0] - found[k][0]).hypot(otf[k][1] - found[k][1]);
-                    let allowed = 4.5 * stated[k].hypot(error[k]) + 1e-6;
-                    let pair = [(otf[k], stated[k]), (found[k], error[k])];
-                    assert!(off < allowed, "{name} {axis} {f}: {pair:?}");
-                    assert!(stated[k] < 0.02, "{name} {axis} {f}: {pair:?}");
-                }
+    let case = Case { front: [0.3, 10.0], width: 0.08, view_deg: 20.0, diffuse: 0.5 };
+    let (frequencies, exact) = case.view("relative_error = 5e-2");
+    let (_, paths) = case.view("method = \"monte-carlo\"\npaths = 4096");
+    for ((name, exact), (_, paths)) in exact.states.iter().zip(paths.states.iter()) {
+        let axes = [
+            (&exact.otf.otf_x, &exact.otf.error_x, &paths.otf.otf_x, &paths.otf.error_x),
+            (&exact.otf.otf_y, &exact.otf.error_y, &paths.otf.otf_y, &paths.otf.error_y),
+        ];
+        for (axis, (otf, stated, found, error)) in axes.into_iter().enumerate() {
+            for (k, f) in frequencies.iter().enumerate() {
+                let off = (otf[k][0] - found[k][0]).hypot(otf[k][1] - found[k][1]);
+                let allowed = 4.5 * stated[k].hypot(error[k]) + 1e-6;
+                let pair = [(otf[k], stated[k]), (found[k], error[k])];
+                assert!(off < allowed, "{name} {axis} {f}: {pair:?}");
+                assert!(stated[k] < 0.05, "{name} {axis} {f}: {pair:?}");
             }
-            let off = (exact.Y_via_pixel - paths.Y_via_pixel).abs();
-            assert!(off < 4.5 * exact.Y_via_pixel_error.hypot(paths.Y_via_pixel_error), "{name}: {off}");
         }
+        let off = (exact.Y_via_pixel - paths.Y_via_pixel).abs();
+        assert!(off < 4.5 * exact.Y_via_pixel_error.hypot(paths.Y_via_pixel_error), "{name}: {off}");
     }
 }
 
@@ -102,7 +98,7 @@ fn returned_light_is_that_of_paths() {
 fn radii_and_edges_do_not_depend_on_how_far_light_goes() {
     let case = Case { front: [0.3, 10.0], width: 0.08, view_deg: 20.0, diffuse: 1.0 };
     let [(_, exact), (_, paths)] =
-        ["relative_error = 1e-2", "method = \"monte-carlo\"\npaths = 8192"].map(|solver| case.view(solver));
+        ["relative_error = 5e-2", "method = \"monte-carlo\"\npaths = 4096"].map(|solver| case.view(solver));
     let [exact, paths] = [&exact, &paths].map(|view| view.states.get("black").unwrap());
     let read = |state: &MtfState| {
         let (value, error) = (state.scalars, state.error);
