@@ -230,19 +230,16 @@ impl Smooth {
         }
         let [near, far, near_slope, far_slope] = k.hermite();
         let (near_slope, far_slope) = (near_slope * k.width(), far_slope * k.width());
-        // Written out: integrals of a table evaluate this millions of times, and compilers do not unroll closures
-        // over arrays of arrays.
-        let four = |values: &[f64], at: usize| -> [f64; 4] {
-            values[at..].first_chunk().copied().unwrap_or_default()
-        };
         let along = |offset: usize| {
             let at = at(offset);
-            let (a, b) = (four(&self.ln, at), four(&self.ln, at + row));
-            let (c, d) = (four(&self.slope, at), four(&self.slope, at + row));
-            let radial = |l: usize| near * a[l] + far * b[l] + near_slope * c[l] + far_slope * d[l];
-            j.cubic([radial(0), radial(1), radial(2), radial(3)])
+            let four = |values: &[f64], at: usize| -> [f64; 4] {
+                values[at..].first_chunk().copied().unwrap_or_default()
+            };
+            let [a, b] = [at, at + row].map(|at| four(&self.ln, at));
+            let [c, d] = [at, at + row].map(|at| four(&self.slope, at));
+            j.cubic(std::array::from_fn(|l| near * a[l] + far * b[l] + near_slope * c[l] + far_slope * d[l]))
         };
-        i.cubic([along(0), along(1), along(2), along(3)]).exp()
+        i.cubic(std::array::from_fn(along)).exp()
     }
 }
 
