@@ -4,7 +4,7 @@
 //! in steps of 15 deg are 0.24 apart in direction cosines. It is therefore interpolated in two steps.
 //!
 //! - **A round lobe**: f along the plane of incidence, from the specular direction over the normal, as a function of
-//!   `|delta|` ([`Line`]).
+//!   `|delta|` ([`Line`]), and the mean of its logarithm on both sides next to the specular direction ([`Tilt`]).
 //! - **The ratio to it**: cubic in the azimuth and then in the inclination. The azimuth is stretched about the specular
 //!   direction by `tan(s/2) = (1 + A)^(1/4) tan(psi/2)`, with which the round lobe on a ring, a function of
 //!   `1 + A sin^2(psi/2)`, varies as much on each side of a quarter turn.
@@ -144,16 +144,14 @@ fn rounds(grid: &SphericalGrid, values: &[f64], width: Option<f64>) -> (Vec<Roun
     let lights = grid.phi_i_deg.len();
     let lobe = |theta: &f64| Round { sine: theta.to_radians().sin(), half: 1.0, line: None };
     let mut lobes: Vec<Round> = grid.theta_i_deg.iter().map(lobe).collect();
-    let lines: Vec<Vec<[f64; 2]>> = lobes
+    let sides: Vec<Sides> = lobes
         .iter()
         .enumerate()
-        .map(|(k, lobe)| {
-            let cells = &values[k * lights * rows * azimuths..][..rows * azimuths];
-            lobe_line(grid, cells, lobe)
-        })
+        .map(|(k, lobe)| Sides::new(grid, &values[k * lights * rows * azimuths..][..rows * azimuths], lobe))
         .collect();
-    let width = width.unwrap_or_else(|| best_width(lines.iter()));
-    for (lobe, line) in lobes.iter_mut().zip(lines) {
+    let width = width.unwrap_or_else(|| best_width(sides.iter().map(|sides| &sides.over)));
+    for (lobe, sides) in lobes.iter_mut().zip(sides) {
+        let line = sides.mean(width);
         if line.len() < 3 {
             continue;
         }
@@ -189,42 +187,111 @@ const SPECULAR: f64 = 1e-6;
 const LARGEST_RISE: f64 = 5.0;
 /// Factor by which f may exceed that of the azimuths next to it.
 const LARGEST_EXCESS: f64 = 1.5;
+/// Largest logarithm of the factor by which f differs from the lobe of both sides, at the first points.
+const LARGEST_TILT: f64 = 0.5;
+/// Steps from the specular direction over which the two sides differ by a nearly constant slope.
+const TILTED: f64 = 4.0;
+/// Fraction of the first distance over the normal below which points of the other side are nearer: from two points at nearly
+/// the same distance, nothing follows about the peak.
+const NEARER: f64 = 0.8;
 /// Azimuths that differ by less are equal, degrees.
 const SAME_DEG: f64 = 0.03;
 
-/// Positive values of an incidence along the plane of incidence, or along the nearest azimuths, by their distance from
-/// the specular direction: over the normal, and those of the other side that are nearer than the first of them.
-fn lobe_line(grid: &SphericalGrid, cells: &[f64], lobe: &Round) -> Vec<[f64; 2]> {
-    let light = grid.phi_i_deg.first().copied().unwrap_or(0.0);
-    let azimuths = grid.phi_o_deg.len();
-    if azimuths < 2 {
-        return Vec::new();
-    }
-    let from_light = |k: usize| {
-        let turned = (grid.phi_o_deg[k] - light).rem_euclid(360.0);
-        turned.min(360.0 - turned)
-    };
-    let column = |aside: &dyn Fn(usize) -> f64| -> Vec<[f64; 3]> {
-        let least = (0..azimuths).map(aside).fold(f64::INFINITY, f64::min);
-        let nearest: Vec<usize> = (0..azimuths).filter(|k| aside(*k) < least + SAME_DEG).collect();
-        let point = |(row, theta): (usize, &f64)| {
-            let known = nearest.iter().map(|k| cells[row * azimuths + k]).filter(|f| *f > 0.0);
-            let (sum, count) = known.fold((0.0, 0), |(sum, count), f| (sum + f, count + 1));
-            (count > 0)
-                .then(|| [*theta, lobe.distance(*theta, from_light(nearest[0])), sum / f64::from(count)])
+/// Positive values of an incidence along the plane of incidence, or along the nearest azimuths, as points (distance from the
+/// specular direction, f), ascending.
+struct Sides {
+    /// From the specular direction over the normal.
+    over: Vec<[f64; 2]>,
+    /// From the specular direction away from the normal.
+    beyond: Vec<[f64; 2]>,
+}
+
+impl Sides {
+    fn new(grid: &SphericalGrid, cells: &[f64], lobe: &Round) -> Self {
+        let light = grid.phi_i_deg.first().copied().unwrap_or(0.0);
+        let azimuths = grid.phi_o_deg.len();
+        if azimuths < 2 {
+            return Self { over: Vec::new(), beyond: Vec::new() };
+        }
+        let from_light = |k: usize| {
+            let turned = (grid.phi_o_deg[k] - light).rem_euclid(360.0);
+            turned.min(360.0 - turned)
         };
-        grid.theta_o_deg.iter().enumerate().filter_map(point).collect()
-    };
-    let specular = column(&|k| 180.0 - from_light(k));
-    let behind = column(&|k| from_light(k));
-    let is_before = |point: &&[f64; 3]| point[0].to_radians().sin() <= lobe.sine + 1e-9;
-    let first =
-        specular.iter().filter(is_before).chain(&behind).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    let specular = specular.iter().filter(|point| is_before(point) || point[1] < first);
-    let mut points: Vec<[f64; 2]> = specular.chain(&behind).map(|point| [point[1], point[2]]).collect();
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    points.dedup_by(|b, a| b[0] - a[0] < 1e-9);
-    points
+        let column = |aside: &dyn Fn(usize) -> f64| -> Vec<[f64; 3]> {
+            let least = (0..azimuths).map(aside).fold(f64::INFINITY, f64::min);
+            let nearest: Vec<usize> = (0..azimuths).filter(|k| aside(*k) < least + SAME_DEG).collect();
+            let point = |(row, theta): (usize, &f64)| {
+                let known = nearest.iter().map(|k| cells[row * azimuths + k]).filter(|f| *f > 0.0);
+                let (sum, count) = known.fold((0.0, 0), |(sum, count), f| (sum + f, count + 1));
+                (count > 0)
+                    .then(|| [*theta, lobe.distance(*theta, from_light(nearest[0])), sum / f64::from(count)])
+            };
+            grid.theta_o_deg.iter().enumerate().filter_map(point).collect()
+        };
+        let is_before = |point: &[f64; 3]| point[0].to_radians().sin() <= lobe.sine + 1e-9;
+        let (mut over, beyond): (Vec<_>, Vec<_>) =
+            column(&|k| 180.0 - from_light(k)).into_iter().partition(is_before);
+        over.extend(column(&from_light));
+        let [over, beyond] = [over, beyond].map(|side| {
+            let mut points: Vec<[f64; 2]> = side.iter().map(|point| [point[1], point[2]]).collect();
+            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            points.dedup_by(|b, a| b[0] - a[0] < 1e-9);
+            points
+        });
+        Self { over, beyond }
+    }
+
+    /// Returns the lobe of both sides: that over the normal, with points of the other side that are clearly nearer than its first,
+    /// each without the tilt of the lobe.
+    fn mean(&self, width: f64) -> Vec<[f64; 2]> {
+        let tilt = Tilt::new(self, width);
+        let first = self.over.first().map_or(f64::INFINITY, |point| point[0]);
+        let nearer = self.beyond.iter().take_while(|point| point[0] < NEARER * first);
+        let nearer = nearer.map(|[delta, f]| [*delta, f / tilt.factor(*delta)]);
+        nearer.chain(self.over.iter().map(|[delta, f]| [*delta, f * tilt.factor(*delta)])).collect()
+    }
+}
+
+/// Difference of the two sides of a lobe next to the specular direction: f is `exp(slope delta)` times the mean of both sides away from the
+/// normal, and `exp(-slope delta)` times it over the normal.
+///
+/// Without it, two directions at nearly the same distance on the two sides would differ as if f changed over the small difference
+/// of their distances.
+struct Tilt {
+    /// Logarithm of the factor for each unit of distance.
+    slope: f64,
+    /// Distance from which on the factor decreases.
+    reach: f64,
+}
+
+impl Tilt {
+    /// From the side whose first point is nearer, interpolated at the first distance of the other one.
+    fn new(sides: &Sides, width: f64) -> Self {
+        let none = Self { slope: 0.0, reach: 1.0 };
+        let Some((over, beyond)) = sides.over.first().zip(sides.beyond.first()) else { return none };
+        let ([near, far], sign) = match over[0] < beyond[0] {
+            true => ([&sides.over, &sides.beyond], 1.0),
+            false => ([&sides.beyond, &sides.over], -1.0),
+        };
+        let [delta, f] = far[0];
+        if near.last().is_none_or(|last| last[0] < delta) || delta <= SPECULAR {
+            return none;
+        }
+        let x = near.iter().map(|[delta, _]| abscissa(*delta, width)).collect();
+        let line = Line::new(x, &near.iter().map(|[_, f]| *f).collect::<Vec<f64>>());
+        let log = 0.5 * sign * (f / line.value(abscissa(delta, width))).ln();
+        let of_one = Self { slope: 1.0 / delta, reach: TILTED * delta };
+        Self { slope: of_one.slope * log.clamp(-LARGEST_TILT, LARGEST_TILT) / of_one.log(delta), ..of_one }
+    }
+
+    /// Logarithm of the factor of the side away from the normal.
+    fn log(&self, delta: f64) -> f64 {
+        self.slope * delta / (1.0 + (delta / self.reach).powi(2))
+    }
+
+    fn factor(&self, delta: f64) -> f64 {
+        self.log(delta).exp()
+    }
 }
 
 /// Value at `x` of the line through the measured ones of a few points; NaN if none was measured.
