@@ -114,8 +114,8 @@ pub enum DisplayError {
     },
     /// A liquid-crystal pixel with too many interference fringes over angle to tabulate.
     #[error(
-        "the layers of this pixel have more interference fringes over inclination or azimuth than can be tabulated (expected birefringent coherent \
-         layers of at most about 0.02 mm, others of at most about 0.05 mm; describe a thick pane as kind = \"slab\")"
+        "the layers of this pixel have so many interference fringes over inclination or azimuth that their table would need more than 1 GB \
+         (expected birefringent coherent layers of at most about 0.02 mm, others of at most about 0.05 mm; describe a thick pane as kind = \"slab\")"
     )]
     CrystalFringes,
     /// A light or approximation that the Monte Carlo solver with places does not have.

@@ -36,15 +36,15 @@ pub(crate) const TABLE_ERROR: f64 = 1e-4;
 /// the layers guide make narrow peaks, over azimuth too, whose last harmonics are left out.
 const TRAPPED_ERROR: f64 = 5e-3;
 
-/// Least and largest number of azimuths over half a turn: a retarder of 10 um needs 250.
+/// Least and largest number of azimuths over half a turn: a retardance of 10 um needs 250.
 const FEWEST_AZIMUTHS: usize = 8;
 const MOST_AZIMUTHS: usize = 1024;
 
 /// Harmonics that are computed beyond those that are kept, at least: others have nearly the same size.
 const SPARE: usize = 4;
 
-/// Largest number of values of a table, 2 GB.
-const MOST_VALUES: usize = 1 << 28;
+/// Largest number of values of a table: 0.5 GB, and as much again while its panels are joined.
+const MOST_VALUES: usize = 60_000_000;
 
 /// Part of the progress of a computation in which the table is made.
 const PART: [f64; 2] = [0.0, 0.8];

@@ -76,14 +76,21 @@ pub(super) fn panels_within<E>(
         }
         open.extend([1, 0].map(|half| Panel::new(2 * panel.number + half, panel.halvings + 1)));
     }
-    Ok(Some(joined(&done)))
+    Ok(Some(joined(done)))
 }
 
-/// Returns the table of panels in ascending order.
-fn joined(done: &[Panel]) -> Table {
+/// Returns the table of panels in ascending order. Each panel is released as it is copied: large tables are not in memory twice.
+fn joined(done: Vec<Panel>) -> Table {
     let panels = CosinePanels::new(&done.iter().map(|panel| panel.halvings).collect::<Vec<u32>>());
-    let values: Vec<&[f64]> = done.iter().map(|panel| &panel.values[..]).collect();
-    (panels, values.concat().into())
+    let count = done.iter().map(|panel| panel.values.len()).sum();
+    let mut values: Arc<[f64]> = std::iter::repeat_n(0.0, count).collect();
+    let mut rest: &mut [f64] = Arc::make_mut(&mut values);
+    for panel in done {
+        let (own, later) = rest.split_at_mut(panel.values.len());
+        own.copy_from_slice(&panel.values);
+        rest = later;
+    }
+    (panels, values)
 }
 
 /// Candidate panel: the one of this number among those of its width.

@@ -373,6 +373,12 @@ impl Resolver<'_> {
                     self.errors.push(spheres.radius_um.origin, wrong);
                     return None;
                 }
+                if spheres.index.0 == binder {
+                    let wrong = Diagnostic::new("spheres of the binder's index do not scatter")
+                        .expected(format!("an index other than {binder}"));
+                    self.errors.push(spheres.index.origin, wrong);
+                    return None;
+                }
                 let index = Complex64::new(spheres.index.0 / binder, 0.0);
                 Some(Particles::Spheres { size_parameter, index, variance: spheres.variance.0 })
             }

@@ -166,6 +166,11 @@ fn particles_are_those_of_their_binder() {
             Some("display.diffuser.index=2"),
             "spheres of 5 um have a size parameter of 114 in this binder",
         ),
+        (
+            &spheres,
+            Some("display.diffuser.particles.index=1.5"),
+            "spheres of the binder's index do not scatter",
+        ),
     ] {
         let errors = resolve(text, Path::new(""), set.as_slice()).unwrap_err();
         assert!(errors.to_string().contains(says), "{errors}");
