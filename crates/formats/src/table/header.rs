@@ -351,6 +351,9 @@ fn wrong_unit(column: &str, unit: &str, expected: &str) -> Problem {
     };
     let hint = match unit {
         "none" => "write the unit in brackets behind the name, or as in `wavelength_nm`".to_owned(),
+        "grad" | "gon" => {
+            "convert the values to deg: 100 gon are 90 deg; for degrees, write deg or Grad".to_owned()
+        }
         _ if expected == "no unit" => {
             "remove what is in brackets, or behind the name, if the values have no unit".to_owned()
         }

@@ -59,8 +59,8 @@ const NM_THZ: f64 = 299_792.458;
 /// Product of wavelength in nm and wavenumber in 1/cm.
 const NM_PER_CM: f64 = 1e7;
 
-/// Units and their names, in small letters, without blanks and with `u` for the micro sign. `A`, `meV` and
-/// `MeV` need their case.
+/// Units and their names, in small letters, without blanks and with `u` for the micro sign. `A`, `meV`, `MeV`
+/// and `Grad` need their case.
 #[rustfmt::skip]
 const UNITS: [(Unit, &[&str]); 29] = [
     (Unit::Length(1.0), &["nm", "nanometer", "nanometers", "nanometre", "nanometres"]),
@@ -102,7 +102,8 @@ pub(crate) fn unit(text: &str) -> Option<Unit> {
         "A" | "\u{c5}" | "\u{212b}" => return Some(Unit::Length(0.1)),
         "meV" => return Some(Unit::Energy(1e-3)),
         "MeV" => return None,
-        "\u{b0}" => return Some(Unit::Angle(1.0)),
+        // German for degrees. `grad` is also a gon, a hundredth of a right angle, and is refused.
+        "\u{b0}" | "Grad" => return Some(Unit::Angle(1.0)),
         _ => {}
     }
     let plain: String = text.chars().filter_map(plain).flat_map(char::to_lowercase).collect();
@@ -245,7 +246,25 @@ mod tests {
         ] {
             assert!(unit(text).unwrap().fits(dimension), "{text}");
         }
-        for text in ["grad", "gon", "MeV", "furlong", "W/m2/eV", "umol/m2/s/nm", "dB"] {
+        let deg = |text: &str| unit(text).map(|unit| unit.convert(30.0, Dimension::Angle));
+        for text in ["deg", "Deg", "DEGREES", "\u{b0}", "Grad", "in Grad", " Grad "] {
+            assert_eq!(deg(text), Some(30.0), "{text}");
+        }
+        // 100 gon are a right angle: what may be gon is not read as degrees.
+        for text in [
+            "grad",
+            "GRAD",
+            "gRad",
+            "grads",
+            "Gradian",
+            "gon",
+            "Gon",
+            "MeV",
+            "furlong",
+            "W/m2/eV",
+            "umol/m2/s/nm",
+            "dB",
+        ] {
             assert_eq!(unit(text), None, "{text}");
         }
     }

@@ -228,7 +228,7 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
     const WINDOWS: Read = |file| read_windows(file).map(drop);
     const PANEL: Read = |file| read_measured_panel(file).map(drop);
     const BSDF: Read = |file| read_bsdf_file(file, None).map(drop);
-    let cases: [(Read, &str, &str, (usize, usize)); 27] = [
+    let cases: [(Read, &str, &str, (usize, usize)); 28] = [
         (N, "nm,n,foo", "`foo`", (1, 6)),
         (N, "nm,n,k,alpha", "absorption coefficient", (1, 8)),
         (N, "wavelength (furlong),n,k", "`furlong`", (1, 1)),
@@ -256,6 +256,7 @@ fn column_that_is_not_understood_is_refused_by_its_name() {
         (PANEL, "state,L (D50),a,b", "`D50`", (1, 7)),
         (BSDF, "theta_i,phi_i,theta_o,phi_o,luminance", "`luminance`", (1, 29)),
         (BSDF, "theta_i (gon),phi_i,theta_o,phi_o,brdf", "`gon`", (1, 1)),
+        (PROFILE, "theta (grad),radiance", "100 gon are 90 deg", (1, 1)),
     ];
     for (read, header, words, place) in cases {
         let count = header.split(',').count();
