@@ -109,7 +109,7 @@ def _file(path: str, wavelength_nm: Any, values: Any) -> bytes:
     if nm.shape != numbers.shape or nm.ndim != 1:
         raise ArgumentError(f"{path}: expected as many values as wavelengths; the shapes are {nm.shape} and {numbers.shape}")
     order = np.argsort(nm, kind="stable")
-    if np.asarray(values).dtype.kind == "c" or path.rpartition(".")[2].strip() in _INDICES:
+    if np.asarray(values).dtype.kind == "c" or _papilio.path_keys(path)[-1] in _INDICES:
         rows = [f"{at!r},{n!r},{k!r}" for at, n, k in zip(nm[order].tolist(), numbers.real[order].tolist(), numbers.imag[order].tolist(), strict=True)]
         return ("\n".join(["nm,n,k", *rows]) + "\n").encode()
     rows = [f"{at!r},{one!r}" for at, one in zip(nm[order].tolist(), numbers.real[order].tolist(), strict=True)]
@@ -124,8 +124,8 @@ def _schema() -> dict[str, Any]:
 def _takes_file(path: str) -> bool:
     """Returns whether the key at a path accepts a name but no list of numbers, so that an array can only be a spectrum."""
     nodes = [_schema()]
-    for key in _papilio.present_path(path).split("."):
-        nodes = [below for node in nodes for below in _below(node, key.strip())]
+    for key in _papilio.path_keys(path):
+        nodes = [below for node in nodes for below in _below(node, key)]
     choices = [one for node in nodes for one in _choices(node)]
     items = [below for one in choices for below in _choices(one.get("items", {}))]
     return any(_accepts(one, "string") for one in choices) and not any(_accepts(one, "number", "integer") for one in items)

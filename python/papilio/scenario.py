@@ -200,8 +200,7 @@ class Scenario(ByName[Any]):
         """
         here: Any = self.to_dict()
         done: list[str] = []
-        for key in _papilio.present_path(_checked_key(path)).split("."):
-            key = key.strip()
+        for key in _papilio.path_keys(_checked_key(path)):
             try:
                 # Negative indices are refused, as in --set.
                 here = here[int(key)] if isinstance(here, list) and key.isdecimal() else here[key]

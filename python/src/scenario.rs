@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use crate::errors;
 use crate::watch::detached;
 
-exports! { classes Described, Resolved; functions edit, label, migrate, new_scenario, present_path, preset_names, schema; }
+exports! { classes Described, Resolved; functions edit, label, migrate, new_scenario, path_keys, preset_names, schema; }
 
 /// A parsed scenario, with valid keys and types.
 #[pyclass(frozen, module = "papilio._papilio")]
@@ -146,10 +146,10 @@ pub(crate) fn migrate(py: Python<'_>, text: &str, name: &str) -> PyResult<(Strin
     Ok((migrated.text, renamed))
 }
 
-/// Returns a dotted path with the current names of its keys.
+/// Returns the current names of the keys of a path.
 #[pyfunction]
-pub(crate) fn present_path(path: &str) -> String {
-    papilio_scenario::KeyPath::new(path).present()
+pub(crate) fn path_keys(path: &str) -> Vec<String> {
+    papilio_scenario::KeyPath::new(path).keys().map(str::to_owned).collect()
 }
 
 /// Text of a scenario in the light of a preset.

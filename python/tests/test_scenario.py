@@ -23,6 +23,19 @@ def test_values_include_defaults(indoor):
     assert indoor["lighting.directed.0.theta_deg"] == -20
 
 
+def test_name_with_points_is_one_key_in_quotes(indoor):
+    key = 'display.pixel.states."a.b".blue.gap_nm'
+    indoor[key] = 150
+    assert indoor[key] == indoor["display.pixel.states. 'a.b' .blue.gap_nm"] == 150
+    assert indoor.to_dict()["display"]["pixel"]["states"]["a.b"]["blue"] == {"gap_nm": 150}
+    moved = papilio.Prepared(indoor).evaluate({key: [150, 160]}, ["a.b.Y"])[:, 0]
+    assert moved[1] == pytest.approx(papilio.run(indoor.with_values({key: 160}))["a.b.Y"].item(), rel=1e-6)
+    assert abs(moved[1] - moved[0]) > 1e-3
+    del indoor['display.pixel.states."a.b"']
+    with pytest.raises(KeyError, match="states has"):
+        indoor["display.pixel.states.a.b.blue.gap_nm"]
+
+
 @pytest.mark.parametrize("path", ["display.pixels", "display.pixel.film.9", "display.pixel.film.x", "display.pixel.film.-1", "title.x", "", "..", "a" * 10000])
 def test_unknown_path_raises_key_error_with_path(indoor, path):
     with pytest.raises(KeyError) as error:

@@ -25,7 +25,7 @@ use self::layout::{forget_positions, is_equal, item, number_positions};
 use crate::error::{ScenarioError, ScenarioErrors};
 use crate::here::relocate_json;
 use crate::mistake;
-use crate::path::{Grow, KeyPath, Position, Shape, Step, Tree, index, step};
+use crate::path::{Grow, KeyPath, Position, Shape, Step, Tree, index, split_assignment, step};
 use crate::preset;
 use crate::renamed::old_key;
 use crate::scenario::parse;
@@ -81,7 +81,7 @@ pub enum Edit {
 impl Edit {
     /// Returns the edit that corresponds to `--set PATH=VALUE`; `None` if the text has another form.
     pub fn of_set(text: &str) -> Option<Self> {
-        let (path, value) = text.split_once('=')?;
+        let (path, value) = split_assignment(text)?;
         let value = Node::parse_value(value.trim_start(), 0, 0).0.to_json();
         Some(Self::Set { path: path.trim().to_owned(), value })
     }
@@ -91,7 +91,7 @@ impl Edit {
     pub fn of_set_in(text: &str, folder: &Path) -> Option<Self> {
         let mut edit = Self::of_set(text)?;
         if let Self::Set { path, value } = &mut edit {
-            relocate_json(value, path.rsplit('.').next().unwrap_or_default(), folder);
+            relocate_json(value, KeyPath::new(path).keys().last().unwrap_or_default(), folder);
         }
         Some(edit)
     }

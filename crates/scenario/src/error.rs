@@ -8,7 +8,7 @@ use papilio_formats::{FormatError, Problem};
 
 use crate::mistake::{Mistake, MistakeKind};
 use crate::origin::Origin;
-use crate::path::joined;
+use crate::path::{KeyPath, index, joined};
 use crate::source::Sources;
 
 /// All errors of a scenario, at least one.
@@ -227,9 +227,15 @@ pub(crate) struct Errors {
 /// Returns a hint about an element of an array that a path created: `text` is the index, as in `--set`, or the path, as in
 /// `[[sweep.axes]]`. The path of an element that the file has lacks no key.
 fn appended(text: Option<&str>) -> Option<String> {
-    let path = text?.split('"').find(|part| part.contains('.')).or(text)?;
-    let is_path = path.chars().all(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '-'));
-    let index: usize = path.split('.').filter_map(|key| key.parse().ok()).next_back().filter(|_| is_path)?;
+    let text = text?.trim();
+    // In quotes as a key of TOML, and without them as a path.
+    let whole = text.parse::<toml_edit::Key>().ok().map(|key| key.get().to_owned());
+    let path = KeyPath::new(whole.as_deref().unwrap_or(text));
+    let is_key = |(number, key): (usize, &str)| {
+        path.is_quoted(number) || key.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-'))
+    };
+    let is_path = path.keys().enumerate().all(is_key);
+    let index: usize = path.keys().filter_map(index).last().filter(|_| is_path)?;
     Some(match index.checked_sub(1) {
         None => "there is no such list yet: index 0 begins one, and its element needs this key".to_owned(),
         Some(last) => format!(

@@ -94,9 +94,9 @@ pub fn variable_label(name: &str) -> Label {
 fn key_label(path: &str) -> Option<Label> {
     let path = KeyPath::new(path);
     let keys: Vec<&str> = path.keys().collect();
-    let is_key =
-        |key: &&str| !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
-    if keys.is_empty() || !keys.iter().all(is_key) {
+    let is_plain = |key: &str| key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
+    let is_key = |(number, key): (usize, &&str)| !key.is_empty() && (path.is_quoted(number) || is_plain(key));
+    if keys.is_empty() || !keys.iter().enumerate().all(is_key) {
         return None;
     }
     if keys.len() == 1 {

@@ -73,7 +73,7 @@ pub(crate) fn of_path(diagnostic: Diagnostic) -> Mistake {
 /// A key that the table does not have.
 pub(crate) fn unknown_key(key: &str, known: &[&str]) -> Mistake {
     let hint = if key.contains(['"', '\'']) {
-        "the keys of a path are written without quotes, as in display.pixel.film.1.thickness_nm".to_owned()
+        "quotes belong about a single key with a point in its name, as in states.\"a.b\".file; other keys have none".to_owned()
     } else {
         suggestion(key, known.iter().copied(), "keys")
     };

@@ -2,12 +2,13 @@
 //!
 //! `--set`, edits of the text, `[sweep]`, `[optimize]`, `[tolerance]`, batches of designs and error reports
 //! all identify a key by such a path. [`KeyPath`] is the only reader of paths in Rust: it splits the text at
-//! its points, counts indices from 0, and appends at the index after the last one. It is followed through a
+//! its points, counts indices from 0, and appends at the index after the last one. A key that contains a point
+//! is in quotes, as in TOML: `states."a.b".file`. A path is followed through a
 //! [`Tree`]: the scenario's own tree with its places, JSON, or the TOML document of an editor.
 //!
-//! Two more readers of the same paths are not in Rust, because their trees are not: the page's
-//! `model/json.ts` and the Python package's `Scenario.__getitem__`.
+//! One more reader of the same paths is not in Rust, because its tree is not: the page's `model/json.ts`.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
@@ -28,6 +29,9 @@ const MOST_KEYS: usize = 16;
 /// assert_eq!(path, KeyPath::new("display . pixel.film.1.thickness_nm"));
 /// let scenario = serde_json::json!({ "display": { "pixel": { "film": [{}, { "thickness_nm": 9.5 }] } } });
 /// assert_eq!(path.in_json(&scenario).and_then(|value| value.as_f64()), Some(9.5));
+///
+/// let quoted = KeyPath::new("display.pixel.states.\"red 1.5\".file");
+/// assert_eq!(quoted.keys().nth(3), Some("red 1.5"));
 /// ```
 #[derive(Debug, Clone)]
 pub struct KeyPath {
@@ -38,8 +42,10 @@ pub struct KeyPath {
 /// A key of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Key {
-    /// Range in the text of the path, without blanks.
+    /// Range in the text of the path, without blanks; quotes are in it.
     range: Range<usize>,
+    /// Name, if the text has it in quotes.
+    unquoted: Option<String>,
     /// Present name, if the text has an old one.
     present: Option<&'static str>,
 }
@@ -99,28 +105,44 @@ pub(crate) struct Position<'a> {
 impl KeyPath {
     /// Creates a path. Whether a scenario has it is checked when it is followed.
     pub fn new(text: &str) -> Self {
+        let mut above: Vec<String> = Vec::new();
+        let mut keys = Vec::new();
         let mut start = 0;
-        let mut above: Vec<&str> = Vec::new();
-        let key = |part| {
-            let part: &str = part;
+        loop {
+            let end = start + end_of_key(&text[start..]);
+            let part = &text[start..end];
             let begin = start + part.len() - part.trim_start().len();
-            start += part.len() + 1;
-            let present = new_key(&above, part.trim());
-            above.push(present.unwrap_or(part.trim()));
-            Key { range: begin..begin + part.trim().len(), present }
-        };
-        let keys = text.split('.').map(key).collect();
-        Self { text: text.to_owned(), keys }
+            let range = begin..begin + part.trim().len();
+            let unquoted = unquoted(part.trim());
+            let names: Vec<&str> = above.iter().map(String::as_str).collect();
+            let present = new_key(&names, unquoted.as_deref().unwrap_or(part.trim()));
+            above.push(present.or(unquoted.as_deref()).unwrap_or(part.trim()).to_owned());
+            keys.push(Key { range, unquoted, present });
+            if end == text.len() {
+                return Self { text: text.to_owned(), keys };
+            }
+            start = end + 1;
+        }
     }
 
-    /// Returns the keys by their present names, without blanks; indices of arrays are among them.
+    /// Returns the keys by their present names, without blanks and quotes; indices of arrays are among them.
     pub fn keys(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.keys.iter().map(|key| key.present.unwrap_or(&self.text[key.range.clone()]))
+        self.keys.iter().map(|key| self.name(key))
     }
 
-    /// Returns the keys as they are written, without blanks.
+    /// Returns the keys as they are written, without blanks and quotes.
     pub(crate) fn written_keys(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.keys.iter().map(|key| &self.text[key.range.clone()])
+        self.keys.iter().map(|key| key.unquoted.as_deref().unwrap_or(&self.text[key.range.clone()]))
+    }
+
+    /// The present name of a key.
+    fn name<'a>(&'a self, key: &'a Key) -> &'a str {
+        key.present.or(key.unquoted.as_deref()).unwrap_or(&self.text[key.range.clone()])
+    }
+
+    /// Returns whether the key with this number is in quotes.
+    pub(crate) fn is_quoted(&self, number: usize) -> bool {
+        self.keys[number].unquoted.is_some()
     }
 
     /// Returns the old names in the path: range in its text, old name and present name.
@@ -136,7 +158,7 @@ impl KeyPath {
 
     /// The path with the present names of its keys.
     pub fn present(&self) -> String {
-        self.keys().collect::<Vec<_>>().join(".")
+        self.keys().map(quoted).collect::<Vec<_>>().join(".")
     }
 
     /// The path as it was written.
@@ -155,7 +177,7 @@ impl KeyPath {
         let parent = above
             .last()
             .map(|end| Self { text: self.text[..end.range.end].to_owned(), keys: above.to_vec() });
-        (parent, last.present.unwrap_or(&self.text[last.range.clone()]))
+        (parent, self.name(last))
     }
 
     /// Returns the paths of the first key, of the first two keys, and so on, up to the whole path.
@@ -177,7 +199,7 @@ impl KeyPath {
         let at = |key: &Key, wrong: Diagnostic| {
             Err(PathError { range: key.range.clone(), wrong: Box::new(wrong.hint(EXAMPLE_PATH)) })
         };
-        if let Some(key) = self.keys.iter().find(|key| key.range.is_empty()) {
+        if let Some(key) = self.keys.iter().find(|key| self.name(key).is_empty()) {
             return at(key, Diagnostic::new("the path has an empty key").expected("a key"));
         }
         match self.keys.get(MOST_KEYS) {
@@ -247,9 +269,79 @@ impl Position<'_> {
     }
 }
 
-/// Appends a key to a path, which may be empty.
-pub(crate) fn joined(above: &str, key: &str) -> String {
-    if above.is_empty() { key.to_owned() } else { format!("{above}.{key}") }
+/// Appends a path to a path, which may be empty.
+pub(crate) fn joined(above: &str, below: &str) -> String {
+    if above.is_empty() { below.to_owned() } else { format!("{above}.{below}") }
+}
+
+/// Appends the name of a key to a path, which may be empty: in quotes, if it needs them.
+pub(crate) fn with_key(above: &str, name: &str) -> String {
+    joined(above, &quoted(name))
+}
+
+/// Appends the key of a table to the path of the tables above it. One without a table above it is a path itself:
+/// `"a.b" = 1` means the same as `a.b = 1`.
+pub(crate) fn below(above: &str, key: &str) -> String {
+    if above.is_empty() { key.to_owned() } else { with_key(above, key) }
+}
+
+/// Splits `PATH=VALUE` at the first equals sign that is not in quotes.
+pub(crate) fn split_assignment(text: &str) -> Option<(&str, &str)> {
+    let mut start = 0;
+    loop {
+        let end = start + end_of_key(&text[start..]);
+        let quotes = closing_quote(&text[start..end]).map_or(start, |close| start + close + 1);
+        if let Some(at) = text[quotes..end].find('=') {
+            return Some((&text[..quotes + at], &text[quotes + at + 1..]));
+        }
+        if end == text.len() {
+            // Quotes about the whole text.
+            return text.split_once('=');
+        }
+        start = end + 1;
+    }
+}
+
+/// Length of the first key of a path, up to the point behind it or to the end.
+fn end_of_key(text: &str) -> usize {
+    let quotes = closing_quote(text).map_or(0, |close| close + 1);
+    text[quotes..].find('.').map_or(text.len(), |point| quotes + point)
+}
+
+/// Place of the quote that ends the quoted key at the beginning of a text, if it begins with one.
+fn closing_quote(text: &str) -> Option<usize> {
+    let begin = text.len() - text.trim_start().len();
+    let quote = text[begin..].chars().next().filter(|c| matches!(c, '"' | '\''))?;
+    let mut is_escaped = false;
+    let close = text[begin + 1..].char_indices().find(|(_, c)| {
+        let is_end = *c == quote && !is_escaped;
+        is_escaped = *c == '\\' && !is_escaped && quote == '"';
+        is_end
+    })?;
+    Some(begin + 1 + close.0)
+}
+
+/// The name of a key that is written in quotes, as in TOML.
+fn unquoted(key: &str) -> Option<String> {
+    let is_quoted = closing_quote(key).is_some_and(|close| close + 1 == key.len());
+    is_quoted.then(|| key.parse::<toml_edit::Key>().ok().map(|key| key.get().to_owned()))?
+}
+
+/// A name as a key of a path: in quotes, if it could be read as something else without them.
+pub(crate) fn quoted(name: &str) -> Cow<'_, str> {
+    let is_plain = !name.is_empty()
+        && name.trim() == name
+        && !name.starts_with(['"', '\''])
+        && !name.contains(|c: char| matches!(c, '.' | '=') || c.is_control());
+    if is_plain {
+        return Cow::Borrowed(name);
+    }
+    let escaped = name.chars().map(|c| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    });
+    Cow::Owned(format!("\"{}\"", escaped.collect::<String>()))
 }
 
 /// Returns the index that a key represents, if it is one.
@@ -322,6 +414,47 @@ mod tests {
         assert_eq!(path.prefixes().map(|path| path.text).collect::<Vec<_>>(), [" a", " a . b", " a . b.0"]);
         assert_eq!(KeyPath::new("a").split_last(), (None, "a"));
         assert_eq!(KeyPath::new("").keys().collect::<Vec<_>>(), [""]);
+    }
+
+    #[test]
+    fn quoted_key_of_path_keeps_its_points() {
+        for (text, keys) in [
+            ("states.\"a.b\".file", &["states", "a.b", "file"][..]),
+            (" states . 'a.b' .0", &["states", "a.b", "0"]),
+            (r#""a\"b.c\\".d"#, &[r#"a"b.c\"#, "d"]),
+            (r"'a\'.b", &[r"a\", "b"]),
+            ("states.pure red.file", &["states", "pure red", "file"]),
+            ("states.it's.file", &["states", "it's", "file"]),
+            // A quote without its other one, or with something behind that, is a part of the name.
+            ("states.\"a.b", &["states", "\"a", "b"]),
+            ("\"a.b\"c.d", &["\"a.b\"c", "d"]),
+        ] {
+            let path = KeyPath::new(text);
+            assert_eq!(path.keys().collect::<Vec<_>>(), keys, "{text}");
+            assert_eq!(KeyPath::new(&path.present()), path, "{text}: {}", path.present());
+        }
+        let path = KeyPath::new("states.\"a.b\".file");
+        assert_eq!(path.split_last().0.as_ref().map(KeyPath::text), Some("states.\"a.b\""));
+        assert_eq!(path.prefixes().nth(1).map(|path| path.text), Some("states.\"a.b\"".to_owned()));
+        assert_ne!(path, KeyPath::new("states.a.b.file"));
+        let scenario = serde_json::json!({ "states": { "a.b": { "file": 1 }, "a": { "b": { "file": 2 } } } });
+        assert_eq!(path.in_json(&scenario), Some(&Json::from(1)));
+        assert!(KeyPath::new("states.\"\".file").check().is_err());
+    }
+
+    #[test]
+    fn names_become_keys_that_paths_read_as_these_names() {
+        for name in
+            ["a", "a.b", "pure red", " a", "", "\"a\"", "'a", "a=b", "a\\b.c", "a\tb", "\u{e4}.\u{20ac}"]
+        {
+            let path = with_key("states", name);
+            assert_eq!(KeyPath::new(&path).keys().collect::<Vec<_>>(), ["states", name], "{path}");
+            let (left, right) = (format!("{path}.n"), "1=2.3");
+            assert_eq!(split_assignment(&format!("{left}={right}")), Some((&*left, right)), "{path}");
+        }
+        assert_eq!(with_key("a.b", "c"), "a.b.c");
+        assert_eq!(split_assignment("a.b"), None);
+        assert_eq!(split_assignment("\"a.b=0\""), Some(("\"a.b", "0\"")));
     }
 
     #[test]

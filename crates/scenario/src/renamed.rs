@@ -11,7 +11,7 @@ use std::ops::Range;
 use crate::error::Errors;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::KeyPath;
+use crate::path::{KeyPath, below, quoted};
 use crate::tree::{Entry, Node, Value};
 
 /// Number of the present grammar, as the key `format` of a scenario states it.
@@ -288,7 +288,7 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
         }
         Value::Table(entries) if is_any_of(path, &[CHANGES, SWEPT]) => {
             let is_swept = is_any_of(path, &[SWEPT]);
-            entries.iter().for_each(|entry| of_change(entry, &[], is_swept, found));
+            entries.iter().for_each(|entry| of_change(entry, "", is_swept, found));
         }
         Value::Table(entries) => {
             let key = match node.get("key").map(|key| &key.value) {
@@ -324,19 +324,25 @@ fn of_studies(node: &Node, path: &[&str], found: &mut Vec<OldName>) {
 
 /// Finds old names in a key of a condition or of an axis, dotted or nested below `above`, and in its value;
 /// an axis has a list of values.
-fn of_change(entry: &Entry, above: &[&str], is_swept: bool, found: &mut Vec<OldName>) {
-    let joined = [above, &[&*entry.key]].concat().join(".");
-    let path = KeyPath::new(&joined);
+fn of_change(entry: &Entry, above: &str, is_swept: bool, found: &mut Vec<OldName>) {
+    let path = KeyPath::new(&below(above, &entry.key));
     let keys: Vec<&str> = path.keys().collect();
     if path.old_names().next().is_some() {
-        let written = |name: &str| if name.contains('.') { format!("\"{name}\"") } else { name.to_owned() };
-        let (old, new) = (written(&entry.key), written(&keys[above.len()..].join(".")));
+        let written = |name: &str| match name.contains('.') {
+            true if name.contains('"') => format!("'{name}'"),
+            true => format!("\"{name}\""),
+            false => name.to_owned(),
+        };
+        let depth = if above.is_empty() { 0 } else { KeyPath::new(above).keys().len() };
+        let new: Vec<_> = keys[depth..].iter().map(|key| quoted(key)).collect();
+        let (old, new) = (written(&entry.key), written(&new.join(".")));
         found.push(OldName { origin: entry.key_origin, old, new, is_gone: false });
     }
     let mut none = Errors::default();
     match &entry.node.value {
         Value::Table(entries) => {
-            entries.iter().for_each(|entry| of_change(entry, &keys, is_swept, found));
+            let above = path.present();
+            entries.iter().for_each(|entry| of_change(entry, &above, is_swept, found));
         }
         Value::Array(values) if is_swept => {
             values.iter().for_each(|value| rename(&mut value.clone(), &keys, found, &mut none));

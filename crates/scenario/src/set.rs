@@ -11,7 +11,7 @@ use crate::error::Errors;
 use crate::here::relocate;
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::{Grow, KeyPath, Position, Step};
+use crate::path::{Grow, KeyPath, Position, Step, split_assignment};
 use crate::renamed::{self, OldName, rename};
 use crate::source::Sources;
 use crate::tree::{Entry, Node, Value};
@@ -48,7 +48,7 @@ pub(crate) fn apply(
             axes.extend(if presets { None } else { axis(text, source, errors) });
             continue;
         }
-        let Some((path, value)) = text.split_once('=') else {
+        let Some((path, value)) = split_assignment(text) else {
             if !presets {
                 let wrong = Diagnostic::new("this is not PATH=VALUE");
                 let all = Origin { source, start: 0, end: text.len().max(1) };
@@ -89,7 +89,7 @@ pub(crate) fn apply(
 fn axis(text: &str, source: usize, errors: &mut Errors) -> Option<Node> {
     let at = |start: usize, end: usize| Origin { source, start, end: end.max(start + 1) };
     let Some((key, values)) =
-        text.split_once('=').filter(|(key, values)| !key.is_empty() && !values.is_empty())
+        split_assignment(text).filter(|(key, values)| !key.is_empty() && !values.is_empty())
     else {
         let wrong = Diagnostic::new("this is not KEY=VALUES");
         let example =

@@ -9,7 +9,7 @@ use papilio_diagnostics::Diagnostic;
 
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::{KeyPath, Shape, Step, Tree, joined};
+use crate::path::{KeyPath, Shape, Step, Tree, with_key};
 
 /// A value and its place.
 #[derive(Debug, Clone)]
@@ -171,7 +171,7 @@ impl Node {
             }
         };
         look(&self.origin, &path);
-        let below = |key: &str| joined(&path, key);
+        let below = |key: &str| with_key(&path, key);
         match &self.value {
             Value::Array(items) => {
                 for (i, item) in items.iter().enumerate() {

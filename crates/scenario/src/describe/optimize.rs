@@ -12,7 +12,7 @@ use crate::error::Errors;
 use crate::grammar::{choice, forms, table};
 use crate::mistake;
 use crate::optimise::SearchMethod;
-use crate::path::{KeyPath, joined};
+use crate::path::{KeyPath, below};
 use crate::read::{Read, Spanned};
 use crate::set::Change;
 use crate::tree::{Node, Value};
@@ -217,7 +217,7 @@ impl Changes {
     fn add(&mut self, above: &str, node: &Node) {
         let Value::Table(entries) = &node.value else { return };
         for entry in entries {
-            let path = joined(above, &entry.key);
+            let path = below(above, &entry.key);
             match &entry.node.value {
                 Value::Table(_) => self.add(&path, &entry.node),
                 _ => self.0.push(Change {

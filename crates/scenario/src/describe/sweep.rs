@@ -13,7 +13,7 @@ use crate::error::Errors;
 use crate::grammar::{number, table};
 use crate::mistake;
 use crate::origin::Origin;
-use crate::path::{KeyPath, joined};
+use crate::path::{KeyPath, below};
 use crate::range::Range as NumberRange;
 use crate::read::{Read, Spanned};
 use crate::tree::{Entry, Node, Value};
@@ -130,7 +130,7 @@ impl Read for Axis {
 /// Reads the values of a key. In a table that is not a range, reads those of each of its keys: `a.b = [1]` means the
 /// same as `"a.b" = [1]`.
 fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut Errors) -> Option<()> {
-    let path = joined(above, &entry.key);
+    let path = below(above, &entry.key);
     let origin = entry.key_origin;
     let (values, ends) = match &entry.node.value {
         Value::Array(items) => (items.clone(), None),

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use crate::common::{GOOD, changed, resolve, shipped};
 use papilio_display::scene::{Approximation, Drive, Lobe, Pixel, Ready, Sampler, Scene, Stop, Thickness};
-use papilio_scenario::{Resolved, preset_names};
+use papilio_scenario::{
+    Edit, Fit, Optimisation, ParameterisedScenario, Resolved, Sweep, Tolerance, edit, label, preset_names,
+};
 
 fn set(sets: &[&str]) -> Resolved {
     resolve(GOOD, Path::new(""), sets).unwrap_or_else(|e| panic!("{e}"))
@@ -68,6 +70,70 @@ fn set_changes_and_creates_keys() {
         (scene.display.panel().unwrap().front.len(), scene.display.panel().unwrap().front[1].reflectance[3]),
         (2, 0.02)
     );
+}
+
+/// A name with points, in quotes, is a single key wherever a scenario names keys by their paths. The place of
+/// its value is what a path without quotes would also name, if "a" were a state.
+#[test]
+fn name_with_points_in_quotes_is_one_key_of_every_path() {
+    const PATH: &str = "display.pixel.states.\"a.b\".blue.gap_nm";
+    let text = format!("{GOOD}[display.pixel.states]\n\"a.b\" = {{ blue = {{ gap_nm = 150 }} }}\n");
+    let gap = |scene: &Scene| {
+        let states = &film(scene).states;
+        assert!(states.iter().all(|state| !["a", "\"a.b\""].contains(&&*state.name)), "{states:?}");
+        states.iter().find(|state| state.name == "a.b").unwrap().drives[2].clone()
+    };
+    let folder = Path::new("");
+    let at = |nm: f64| Drive::Gap(nm);
+    assert_eq!(gap(&resolve(&text, folder, &[]).unwrap().scene), at(150.0));
+    for path in [PATH.to_owned(), PATH.replace('"', "'"), PATH.replace('.', " . ").replace("a . b", "a.b")] {
+        assert_eq!(
+            gap(&resolve(&text, folder, &[&format!("{path}=140")]).unwrap().scene),
+            at(140.0),
+            "{path}"
+        );
+    }
+    // Edits of the text, as of the page and of Python.
+    let edits = [Edit::of_set(&format!("{PATH} = 141")).unwrap()];
+    assert_eq!(gap(&resolve(&edit(&text, &edits).unwrap(), folder, &[]).unwrap().scene), at(141.0));
+    // Axes of a sweep, from the command line and as both forms of a key in the file.
+    let axes = [
+        (String::new(), vec![Sweep::axis_override(&format!("{PATH}=130,142"))]),
+        (format!("[[sweep.axes]]\n'{PATH}' = [130, 142]\n"), Vec::new()),
+        (format!("[[sweep.axes]]\n{PATH} = [130, 142]\n"), Vec::new()),
+    ];
+    for (more, overrides) in axes {
+        let sweep = Sweep::from_text(&format!("{text}{more}"), "s.toml", folder, &overrides).unwrap();
+        let scene = sweep.scenario(1).unwrap().resolve().unwrap().scene;
+        assert_eq!((sweep.len(), gap(&scene)), (2, at(142.0)), "{more}");
+    }
+    // Variables of batches, and the paths of studies, which are followed to a value of their own.
+    let varied = [PATH.to_owned()];
+    let varied = ParameterisedScenario::from_text(&text, "s.toml", folder, &[], &varied).unwrap();
+    assert_eq!(gap(&varied.scenario(&[143.into()]).unwrap().resolve().unwrap().scene), at(143.0));
+    let studies = [
+        format!(
+            "[[optimize.variables]]\nkey = '{PATH}'\nbounds = [100, 200]\n[[optimize.objectives]]\nmetric = \"a.b.Y\"\naim = \"maximise\"\n"
+        ),
+        format!(
+            "[tolerance]\nmetrics = [\"a.b.Y\"]\n[[tolerance.keys]]\nkey = '{PATH}'\nnormal = {{ sigma = 2 }}\n"
+        ),
+        format!("[[fit.variables]]\nkey = '{PATH}'\nbounds = [100, 200]\n"),
+    ];
+    let [search, tolerance, fit] = studies.map(|study| format!("{text}{study}"));
+    let search = Optimisation::from_text(&search, "s.toml", folder, &[]).unwrap();
+    assert_eq!((search.variables[0].own, &*search.variables[0].values(9.0)[0].0), (Some(150.0), PATH));
+    assert_eq!(Tolerance::from_text(&tolerance, "s.toml", folder, &[]).unwrap().keys[0].paths[0].0, PATH);
+    assert_eq!(Fit::from_text(&fit, "s.toml", folder, &[]).unwrap().variables[0].paths().last(), Some(PATH));
+    // What a message names is read as the same key.
+    let errors = resolve(&text, folder, &[&format!("{PATH}=-1")]).unwrap_err();
+    let wrong = text.replace("gap_nm = 150", "gap_nm = -1");
+    let there = resolve(&wrong, folder, &[]).unwrap_err();
+    for errors in [errors, there] {
+        let all: Vec<_> = errors.iter().map(|error| error.path.as_deref()).collect();
+        assert_eq!(all, [Some(PATH)], "{errors}");
+    }
+    assert_eq!(label(PATH).to_string(), "Gap of blue of a.b (nm)");
 }
 
 /// n and k of a material times factors, which a fit can determine; without factors it is the material.
