@@ -40,6 +40,9 @@ AnyJob = TypeVar("AnyJob", bound=Job)
 #: Interval between checks of the cluster's status while no result arrives, s.
 _STATUS_INTERVAL = 1.0
 
+#: Longest time without any worker before the computation ends, s.
+_PATIENCE = 60.0
+
 #: Jobs submitted for each thread of the workers, so that no thread is idle between jobs.
 _JOBS_PER_THREAD = 2
 
@@ -84,6 +87,8 @@ class ClusterBackend:
         self._finished: queue.SimpleQueue[tuple[Any, Future[Any]]] = queue.SimpleQueue()
         self._submitted_jobs: dict[int, tuple[Any, Future[Any]]] = {}
         self._threads, self._checked = 0, -1e9
+        #: Since when the cluster has no workers; None: it has some.
+        self._alone_since: float | None = None
         # Submitted as a task instead of data, so that the cluster can restore it after the loss of a worker.
         self._question = client.submit(_identity, question, pure=False)
 
@@ -92,8 +97,13 @@ class ClusterBackend:
         if time.monotonic() - self._checked > 5.0:
             first, self._checked = self._checked < 0, time.monotonic()
             self._threads = sum(self._request(self._client.nthreads).values())
+            if self._threads:
+                self._alone_since = None
+            elif self._alone_since is None:
+                self._alone_since = self._checked
             if first and not self._threads:
-                warnings.warn("client: the cluster has no workers yet; the computation begins when the first worker connects", stacklevel=4)
+                begins = f"the computation begins when the first worker connects, and ends if none does within {_PATIENCE:g} s"
+                warnings.warn(f"client: the cluster has no workers yet; {begins}", stacklevel=4)
         return self._threads
 
     def seconds_each(self, question: Question, columns: Columns, skips: bool) -> float | None:
@@ -158,6 +168,7 @@ class ClusterBackend:
                 return self._finished.get(timeout=_STATUS_INTERVAL)
             except queue.Empty:
                 self._check_status(None)
+                self._check_workers()
 
     def _answer(self, job: Job, future: Future[Any], written: bool) -> tuple[Any] | None:
         """Returns the result of a job; None if it was lost and may be submitted again."""
@@ -181,6 +192,16 @@ class ClusterBackend:
         except Exception as error:
             self._check_status(error)
             raise ClusterError(f"a request to the cluster failed: {type(error).__name__}: {error}") from error
+
+    def _check_workers(self) -> None:
+        """Ends a computation for which nothing computes."""
+        self.workers()
+        if self._alone_since is None or time.monotonic() - self._alone_since < _PATIENCE:
+            return
+        self._checked = 0.0  # a worker may have connected since
+        if not self.workers():
+            what = f"client: the cluster has had no workers for {_PATIENCE:g} s"
+            raise ClusterError(f"{what}; start workers first, and wait for them with client.wait_for_workers(1) if they need longer")
 
     def _check_status(self, error: Exception | None) -> None:
         if self._client.status != "running":

@@ -241,6 +241,21 @@ def test_search_on_closed_cluster_raises_error(sought, tmp_path):
     papilio.optimize(sought, out=tmp_path)
 
 
+def test_cluster_without_workers_raises_error(indoor, sought, tmp_path, monkeypatch):
+    """Nothing computes: the calls end after the time that the test shortens, with the words for it."""
+    monkeypatch.setattr(papilio._backends, "_PATIENCE", 0.2)
+    with distributed.LocalCluster(n_workers=0, processes=False, protocol="tcp://", dashboard_address=":0") as nobody:
+        with distributed.Client(nobody) as client:
+            begin = time.monotonic()
+            for call in (
+                lambda: papilio.cluster.sweep(indoor, {"viewer.theta_deg": [0, 10]}, ["white.Y"], client=client, batch_seconds=1),
+                lambda: papilio.optimize(sought, client=client, out=tmp_path),
+            ):
+                with pytest.warns(UserWarning, match="no workers yet"), pytest.raises(ClusterError, match="no workers for 0.2 s; start workers"):
+                    call()
+            assert time.monotonic() - begin < 30
+
+
 def test_killed_worker_loses_no_results(indoor, client, tmp_path, capsys):
     """A worker is killed; the numbers equal those of the serial run to the last bit, and memory does not grow."""
     designs = plane(DESIGNS)
