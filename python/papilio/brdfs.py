@@ -17,7 +17,7 @@ from . import _messages, _papilio, plot
 from ._arguments import ascending, reals
 from ._snapshots import read_only
 from ._mapping import ByName
-from ._storing import Stored, optional, written
+from ._storing import Stored, optional
 from ._tables import long_table
 from .errors import ArgumentError
 from .figure import Figure
@@ -184,9 +184,7 @@ class Brdf(Stored, ByName[NDArray[Any]]):
         Raises:
             ArgumentError: if ``dphi_deg`` is part of a half circle, which no reader accepts.
         """
-        if Path(folder).suffix != ".npz":
-            return super().save(folder)
-        return written(Path(folder).parent, {Path(folder).name: self._readable()})
+        return super().save(folder)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._content, self.missed, self.warnings, self.notes)

@@ -6,6 +6,7 @@ from os import PathLike
 from pathlib import Path
 
 from . import _arguments, _papilio
+from ._storing import put
 from .errors import ArgumentError
 
 __all__ = ["Figure"]
@@ -33,9 +34,9 @@ class Figure:
         """Writes the figure as SVG or PNG, according to the suffix of the path."""
         where = Path(path)
         if where.suffix == ".svg":
-            where.write_text(self.svg, encoding="utf-8")
+            put(where, self.svg.encode())
         elif where.suffix == ".png":
-            where.write_bytes(self.png())
+            put(where, self.png())
         else:
             raise ArgumentError(f"path: expected a name that ends with .svg or .png, not {where.name!r}")
 

@@ -19,7 +19,7 @@ from . import _messages, _papilio
 from ._arguments import described, text
 from ._keys import attributes
 from ._snapshots import read_only
-from ._storing import optional, written
+from ._storing import optional, single, written
 from .errors import ArgumentError
 from .running import Progress, checked_threads, reporting, with_solver
 from .scenario import Scenario, read
@@ -142,17 +142,21 @@ class Fitted(_Written):
         """Writes the files and figures of ``papilio fit`` into a folder, which is created.
 
         Args:
-            folder: the folder. Relative paths in ``fitted.toml`` are adapted to it; files that were made from arrays are written
-                beside it.
+            folder: the folder; or a path that ends as one of the files, where this file alone is written. Relative paths in
+                ``fitted.toml`` are adapted to it; files that were made from arrays are written beside it.
 
         Returns:
             The paths of the files.
+
+        Raises:
+            ArgumentError: if the path ends as a file that a fit does not have.
         """
-        where = Path(folder)
-        where.mkdir(parents=True, exist_ok=True)
         figures = {f"{figure.name}.svg": figure.svg.encode() for figure in self.figures().values()}
         tables = {"fit.json": self.to_json().encode(), "fit.csv": self._table.encode()}
-        return [*self._scenario.save(where / "fitted.toml"), *written(where, tables | figures)]
+        name = single(folder, ["fitted.toml", *tables, *figures])
+        if name is None:
+            return [*self._scenario.save(Path(folder) / "fitted.toml"), *written(folder, tables | figures)]
+        return self._scenario.save(folder) if name == "fitted.toml" else written(folder, tables | figures)
 
     def to_xarray(self) -> xarray.Dataset:
         """Returns all numbers as a Dataset over ``variable``, ``end`` (of intervals) and ``other`` (of correlations).

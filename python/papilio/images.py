@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _messages, _papilio
 from ._arguments import described, one_of, reals
-from ._storing import optional
+from ._storing import optional, written
 from ._tables import long_table
 from .errors import ArgumentError
 from .running import Progress, checked_threads, reporting
@@ -36,12 +37,17 @@ _PICTURES: dict[str, tuple[str, tuple[str, ...]]] = {
     "states": ("number of the state of each pixel", ()),
 }
 
+#: Files of a frame.
+_FRAMES = ("frame.bin", "frame.bmp", "frame.h")
+
+_NO_STATES = "a picture without a halftone has no states"
+
 Picture = str | PathLike[str] | ArrayLike
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What the controller of a panel takes: the files ``frame.bin`` and ``frame.h`` of ``papilio image``."""
+    """What the controller of a panel takes: the files ``frame.bin``, ``frame.bmp`` and ``frame.h`` of ``papilio image``."""
 
     #: The bytes of the frame.
     data: bytes
@@ -51,6 +57,22 @@ class Frame:
     numbers: dict[str, Any]
     #: The same bytes as a C header.
     header: str
+    #: The codes as an indexed BMP, whose palette has the colours that are seen.
+    bmp: bytes
+
+    def save(self, path: str | PathLike[str]) -> list[Path]:
+        """Writes the bytes, the BMP or the C header, by the end of the path: ``.bin``, ``.bmp`` or ``.h``; all three into a folder.
+
+        Returns:
+            The paths of the files.
+
+        Raises:
+            ArgumentError: for other ends.
+        """
+        return written(path, self._files())
+
+    def _files(self) -> dict[str, bytes]:
+        return {"frame.bin": self.data, "frame.bmp": self.bmp, "frame.h": self.header.encode()}
 
 
 class Image(_Written):
@@ -64,6 +86,7 @@ class Image(_Written):
     """
 
     _FILE = "image.json"
+    _BY_END: ClassVar[Mapping[str, str]] = {".png": "seen.png"}
 
     def __init__(
         self,
@@ -73,10 +96,14 @@ class Image(_Written):
         title: str,
         warned: list[str],
         notes: list[str],
-        codes: tuple[str | None, list[tuple[str, int]]] | None = None,
+        codes: tuple[str | None, list[tuple[str, int]]] | None,
+        colours: list[tuple[int, int, int]],
+        light: tuple[list[list[float]], float],
     ) -> None:
         super().__init__(text, arrays, [], title, warned, notes, pictures)
-        self._codes = codes
+        self._codes, self._colours = codes, colours
+        #: The matrix that adapts X, Y and Z to D65, and the luminance of a perfect white, cd/m².
+        self._light = light
 
     @property
     def states(self) -> list[str]:
@@ -129,6 +156,43 @@ class Image(_Written):
         """Returns the content of ``seen.png``."""
         return self._tables["seen.png"]
 
+    def exr(self) -> bytes:
+        """Returns the content of ``seen.exr``: what is seen in linear light, a perfect white 1."""
+        return bytes(_papilio.scene_exr(self["seen"], *self._light))
+
+    def _files(self) -> dict[str, bytes]:
+        return {**super()._files(), "seen.exr": self.exr()}
+
+    def _alone(self) -> dict[str, Callable[[], bytes]]:
+        def states() -> bytes:
+            raise ArgumentError(_NO_STATES)
+
+        def other(name: str, option: str) -> Callable[[], bytes]:
+            def refuse() -> bytes:
+                raise ArgumentError(f"path: {name} is written by `papilio image` with {option}; this picture is seen.png")
+
+            return refuse
+
+        frames: dict[str, Callable[[], bytes]] = {name: lambda name=name: self.frame()._files()[name] for name in _FRAMES}  # type: ignore[misc]
+        own = {} if "states.png" in self._tables else {"states.png": states}
+        return {**frames, **own, "rooms.png": other("rooms.png", "--rooms"), "changed.png": other("changed.png", "--since")}
+
+    def save(self, path: str | PathLike[str]) -> list[Path]:
+        """Writes the files of ``papilio image`` into a folder, which is created, or one of them.
+
+        Args:
+            path: a folder; or a path that ends with ``.png`` (what is seen; the states, if the name is ``states.png``), ``.exr`` (what is
+                seen in linear light), ``.json`` (`numbers`), or ``.bin``, ``.bmp`` or ``.h`` (the `frame` for the panel), where this
+                file alone is written.
+
+        Returns:
+            The paths of the files.
+
+        Raises:
+            ArgumentError: for other ends of files, and for states and frames of a picture without a halftone.
+        """
+        return super().save(path)
+
     def frame(self, packed: int | Literal["planes"] | None = None, *, rotate: int = 0, mirror: bool = False) -> Frame:
         """Packs the states for the controller of the panel, with the codes of ``display.pixel.codes``, or else the numbers of the states.
 
@@ -138,7 +202,7 @@ class Image(_Written):
             mirror: whether the rotated frame is mirrored left to right.
 
         Returns:
-            The bytes, the codes as an array, the layout and a C header.
+            The bytes, the codes as an array, the layout, a C header and a BMP.
 
         Raises:
             ArgumentError: for other numbers, too few bits, and a picture without a halftone.
@@ -150,7 +214,7 @@ class Image(_Written):
             (12, 3, 6)
         """
         if "states" not in self._arrays:
-            raise ArgumentError("a picture without a halftone has no states, and a frame consists of states")
+            raise ArgumentError(f"{_NO_STATES}, and a frame consists of states")
         if rotate not in (0, 90, 180, 270):
             raise ArgumentError(f"rotate: expected 0, 90, 180 or 270 degrees, not {described(rotate)}")
         if packed not in (None, 1, 2, 4, 8, "planes"):
@@ -159,8 +223,10 @@ class Image(_Written):
         if len(codes) > 256:
             raise ArgumentError(f"a frame has codes from 0 to 255, and this display has {len(codes)} states: image.states lists those to use")
         bits = 0 if packed == "planes" else packed
-        data, shown, text, header = _papilio.frame(self["states"], codes, controller, bits, rotate // 90, mirror, self.title)
-        return Frame(bytes(data), shown, json.loads(text), header)
+        data, shown, text, header, bmp = _papilio.frame(
+            self["states"], codes, self._colours, controller, bits, rotate // 90, mirror, self.title
+        )
+        return Frame(bytes(data), shown, json.loads(text), header, bytes(bmp))
 
     def _repr_png_(self) -> bytes:
         return self.png()
@@ -242,7 +308,9 @@ def image(
             checked_threads(threads),
             tell,
         )
-    found = Image(core.json(), core.arrays(), core.pictures(), core.title, core.warnings(), core.notes(), core.codes())
+    found = Image(
+        core.json(), core.arrays(), core.pictures(), core.title, core.warnings(), core.notes(), core.codes(), core.colours(), core.light()
+    )
     _messages.warn(found.warnings)
     return found
 

@@ -18,7 +18,7 @@ from ._arguments import checked_folder, whole
 from ._backends import ClusterBackend, check_client
 from ._keys import attributes
 from ._mapping import Lookup
-from ._storing import Stored, optional, variable
+from ._storing import Stored, optional, single, variable, written
 from .errors import ArgumentError
 from .figure import Figure
 from .running import Line, Progress, checked_threads, reporter, with_solver
@@ -157,19 +157,19 @@ class Optimum(Stored, Lookup[NDArray[np.float64]]):
         the result of each task, and the figures. Relative paths in the scenarios are adapted to the folder; files that a `Scenario`
         has in memory are not written.
         """
-        where = Path(folder)
-        where.mkdir(parents=True, exist_ok=True)
+        one = len(self.designs) == 1
+        designs = [self._single()] if one else [f"front-{at + 1:02}.toml" for at in range(len(self.designs))]
+        figures = {f"{figure.name}.svg": figure.svg for figure in self.figures().values()}
+        name = single(folder, ["optimize.csv", *designs, *figures])
+        where = Path(folder) if name is None else Path(folder).parent
         texts = {"optimize.csv": self._table}
-        for at in range(len(self.designs)):
-            name = self._single() if len(self.designs) == 1 else f"front-{at + 1:02}.toml"
+        for at, of_design in enumerate(designs):
             design = self.scenario(at)
-            texts[name] = _papilio.moved_text(design.to_toml(), design._folder, str(where))
-        texts |= {f"{figure.name}.svg": figure.svg for figure in self.figures().values()}
-        for other in {"best.toml", "closest.toml"} - texts.keys():
-            (where / other).unlink(missing_ok=True)
-        for name, content in texts.items():
-            (where / name).write_bytes(content.encode())
-        return [where / name for name in texts]
+            texts[of_design] = _papilio.moved_text(design.to_toml(), design._folder, str(where))
+        if name is None:
+            for other in {"best.toml", "closest.toml"} - texts.keys():
+                (where / other).unlink(missing_ok=True)
+        return written(folder, {file: text.encode() for file, text in (texts | figures).items()})
 
     def _single(self) -> str:
         """Returns the program's file name for a single design."""

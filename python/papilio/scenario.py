@@ -15,6 +15,7 @@ from . import _arguments, _papilio
 from ._arguments import described, one_of, whole
 from ._mapping import ByName
 from ._spectra import Grid, GridOf, stored
+from ._storing import put
 from ._toml import document, plain
 from .errors import ArgumentError
 
@@ -322,10 +323,9 @@ class Scenario(ByName[Any]):
         text = _papilio.moved_text(self._text, self._folder, str(where.parent))
         for name in self._arrays:  # these move with the scenario
             text = text.replace(_papilio.moved_text(f'[lighting]\nspectrum = "{name}"\n', self._folder, str(where.parent)).split('"')[1], name)
-        where.parent.mkdir(parents=True, exist_ok=True)
         contents = {where: text.encode(), **{where.parent / name: content for name, content in self._arrays.items()}}
         for file, content in contents.items():
-            file.write_bytes(content)
+            put(file, content)
         return list(contents)
 
     def to_toml(self) -> str:

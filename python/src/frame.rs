@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use papilio_formats::panel::{
     CONTROLLERS, FrameNumbers, HeaderHead, Mounting, Packing, PanelFrame, RequestedPacking,
-    write_frame_header,
+    write_frame_header, write_indexed_bmp,
 };
 use pyo3::prelude::*;
 
@@ -12,16 +12,17 @@ use crate::spatial::text;
 
 exports! { functions frame; }
 
-/// The bytes of a frame, the code of each pixel in its rows and columns, its numbers as JSON, and the C header.
-type Written<'py> = (Vec<u8>, Bound<'py, PyArray2<u8>>, String, String);
+/// The bytes of a frame, the code of each pixel in its rows and columns, its numbers as JSON, the C header, and the BMP.
+type Written<'py> = (Vec<u8>, Bound<'py, PyArray2<u8>>, String, String, Vec<u8>);
 
-/// `codes` has the code of each state; `bits`: for each pixel, 0 for planes of 1 bit.
+/// `codes` and `colours` are those of each state; `bits`: for each pixel, 0 for planes of 1 bit.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the arguments of one function in Python")]
 pub(crate) fn frame<'py>(
     py: Python<'py>,
     states: PyReadonlyArray2<'py, u8>,
     codes: Vec<(String, u8)>,
+    colours: Vec<(u8, u8, u8)>,
     controller: Option<&str>,
     bits: Option<u8>,
     quarter_turns: u8,
@@ -57,8 +58,13 @@ pub(crate) fn frame<'py>(
         HeaderHead { program: concat!("papilio ", env!("CARGO_PKG_VERSION")), title, numbers: &numbers };
     write_frame_header(&mut header, head, &bytes).map_err(|error| errors::internal(&error.to_string()))?;
     let header = String::from_utf8(header).map_err(|error| errors::internal(&error.to_string()))?;
+    let palette: Vec<(u8, [u8; 3])> =
+        of_states.iter().copied().zip(colours.into_iter().map(<[u8; 3]>::from)).collect();
+    let mut bmp = Vec::new();
+    write_indexed_bmp(&mut bmp, &frame, packing.bits(), &palette)
+        .map_err(|error| errors::internal(&error.to_string()))?;
     let [columns, rows] = frame.size;
     let shown = numpy::ndarray::Array2::from_shape_vec((rows, columns), frame.codes);
     let shown = shown.map_err(|error| errors::internal(&error.to_string()))?.into_pyarray(py);
-    Ok((bytes, shown, text(&numbers)?, header))
+    Ok((bytes, shown, text(&numbers)?, header, bmp))
 }

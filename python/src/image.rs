@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArray2, PyReadonlyArray3};
+use papilio_colour::{Adaptation, Xyz};
 use papilio_display::image::{ImageResult, Screen, ScreenSpace, ScreenWhite, SourceImage, image};
 use papilio_display::palette::bytes;
 use papilio_formats::panel::write_states_png;
-use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png};
+use papilio_formats::{RgbSpace, TitledFile, Transfer, write_rgb_png, write_scene_exr};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -17,7 +18,7 @@ use crate::scenario::{Described, Resolved};
 use crate::spatial::{Tables, text};
 use crate::watch::{computed, detached};
 
-exports! { classes Image; }
+exports! { classes Image; functions scene_exr; }
 
 /// Name of a controller, and codes of the states.
 type Codes = (Option<&'static str>, Vec<(String, u8)>);
@@ -125,19 +126,28 @@ impl Image {
 
     /// The contents of `seen.png` and, with a halftone, of `states.png`.
     fn pictures<'py>(&self, py: Python<'py>) -> PyResult<Tables<'py>> {
-        let ImageResult { size: [columns, _], states, palette, numbers, .. } = &self.of;
+        let ImageResult { size: [columns, _], states, numbers, .. } = &self.of;
         let is_display_p3 = self.of.space == ScreenSpace::DisplayP3;
         let across = self.of.seen_size()[0];
         let seen = written(py, |out| write_rgb_png(out, across, &self.of.on_screen, is_display_p3))?;
         let mut pictures = vec![("seen.png".to_owned(), seen)];
         if !states.is_empty() {
-            let shown: Vec<[u8; 3]> =
-                palette.colours.iter().map(|colour| colour.srgb.map_or([0; 3], bytes)).collect();
+            let shown = self.shown();
             let content =
                 written(py, |out| write_states_png(out, *columns, states, &shown, &numbers.states))?;
             pictures.push(("states.png".to_owned(), content));
         }
         Ok(pictures)
+    }
+
+    /// Encoded red, green and blue of each state, as in `states.png`.
+    fn colours(&self) -> Vec<(u8, u8, u8)> {
+        self.shown().into_iter().map(<(u8, u8, u8)>::from).collect()
+    }
+
+    /// The matrix that adapts X, Y and Z to D65, and the luminance of a perfect white, for `scene_exr`.
+    fn light(&self) -> ([[f64; 3]; 3], f32) {
+        (*self.of.to_d65().matrix(), self.of.white_cd_m2)
     }
 
     #[getter]
@@ -153,6 +163,35 @@ impl Image {
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
+}
+
+impl Image {
+    /// Encoded red, green and blue of each state.
+    fn shown(&self) -> Vec<[u8; 3]> {
+        self.of.palette.colours.iter().map(|colour| colour.srgb.map_or([0; 3], bytes)).collect()
+    }
+}
+
+/// The content of `seen.exr`: X, Y and Z of each sample, and the `light` of an [`Image`].
+#[pyfunction]
+pub(crate) fn scene_exr(
+    py: Python<'_>,
+    seen: PyReadonlyArray3<'_, f32>,
+    to_d65: [[f64; 3]; 3],
+    white_cd_m2: f32,
+) -> PyResult<Vec<u8>> {
+    let (to_d65, seen) = (Adaptation::of_matrix(to_d65), seen.as_array());
+    let columns = seen.dim().1;
+    let flat: Vec<f32> = seen.iter().copied().collect();
+    let samples: &[[f32; 3]] = flat.as_chunks().0;
+    let linear = |sample: usize| {
+        let [x, y, z] = samples[sample].map(f64::from);
+        to_d65.apply(Xyz { x, y, z }).linear_srgb().map(|value| value as f32)
+    };
+    let write = |out: &mut Vec<u8>| write_scene_exr(out, columns, samples.len(), linear, Some(white_cd_m2));
+    let mut content = Vec::new();
+    py.detach(|| write(&mut content)).map_err(|error| errors::internal(&error.to_string()))?;
+    Ok(content)
 }
 
 /// A picture in linear light.

@@ -111,6 +111,52 @@ def test_frame_is_that_of_the_program(
     assert np.array_equal(frame.codes, turned[:, ::-1] if mirror else turned)
 
 
+def test_files_are_saved_by_their_ends(scenarios: Path, program: Path, tmp_path: Path) -> None:
+    """Each end of a name is one file of the program, byte for byte; other files are refused, and nothing is left of them."""
+    file, picture = scenarios / "six-ink.toml", scenarios / "data" / "chelsea.png"
+    found = pickle.loads(pickle.dumps(papilio.image(file, picture, set={"display.matrix.pixels": [61, 40]})))
+    command = [program, "image", str(file), str(picture), "--set", "display.matrix.pixels=[61,40]", "--frame", "bin,bmp,h", "--out", str(tmp_path / "theirs")]
+    subprocess.run(command, capture_output=True, check=True)
+    own = tmp_path / "own"
+    for name, theirs in [
+        ("picture.png", "seen.png"),
+        ("Picture.PNG", "seen.png"),
+        ("states.png", "states.png"),
+        ("seen.exr", "seen.exr"),
+        ("light.exr", "seen.exr"),
+        ("frame.bmp", "frame.bmp"),
+        ("panel.bin", "frame.bin"),
+        ("panel.h", "frame.h"),
+    ]:
+        assert found.save(own / name) == [own / name]
+        ours, expected = (own / name).read_bytes(), (tmp_path / "theirs" / theirs).read_bytes()
+        if theirs == "frame.h":  # the first line has the name of the program
+            ours, expected = (one.partition(b"\n")[2] for one in (ours, expected))
+        assert ours == expected, name
+    assert json.loads(found.save(own / "numbers.json")[0].read_text()) == found.numbers
+    turned = found.frame(rotate=90)
+    assert turned.save(own / "turned.bmp")[0].read_bytes() == turned.bmp != found.frame().bmp
+    before = sorted(own.iterdir())
+    for name, words in [
+        ("seen.jpg", r"path: expected a folder, or a path that ends as one of the files image.json, seen.png.*, not 'seen.jpg'"),
+        ("seen.tif", "ends as one of the files"),
+        ("rooms.png", "--rooms"),
+        ("changed.png", "--since"),
+    ]:
+        with pytest.raises(papilio.ArgumentError, match=words):
+            found.save(own / name)
+    none = papilio.image(file, colours(), set={"image.halftone": "none"})
+    for name in ("states.png", "frame.bmp", "frame.bin"):
+        with pytest.raises(papilio.ArgumentError, match="without a halftone has no states"):
+            none.save(tmp_path / "none" / name)
+    assert sorted(own.iterdir()) == before and not (tmp_path / "none").exists()
+    names = {path.name for path in found.save(tmp_path / "folder")}
+    assert names == {"image.json", "seen.png", "seen.exr", "states.png"} == {path.name for path in (tmp_path / "folder").iterdir()}
+    # A file that cannot be written leaves what was there.
+    (own / "folder.exr").mkdir()
+    assert {path.name for path in found.save(own / "folder.exr")} == names
+
+
 def test_wrong_frames_are_named(scenarios: Path) -> None:
     found = papilio.image(scenarios / "six-ink.toml", colours())
     with pytest.raises(papilio.ArgumentError, match="2 bits hold codes up to 3, and the code of green is 6"):

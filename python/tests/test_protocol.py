@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import papilio
+from papilio import ArgumentError
 
 xarray = pytest.importorskip("xarray")
 pandas = pytest.importorskip("pandas")
@@ -96,6 +97,13 @@ def test_result_is_copied_and_stored(results, name, tmp_path):
     assert paths and all(path.is_file() and path.stat().st_size > 0 for path in paths)
     assert {path.name for path in paths} == {path.name for path in (tmp_path / "new" / "folder").iterdir()}
     assert {f"{figure.name}.svg" for figure in found.figures().values()} <= {path.name for path in paths}
+    # The name of a file is this file alone, not a folder with all; names of other files are refused.
+    for path in paths:
+        (alone,) = found.save(tmp_path / "alone" / path.name)
+        assert alone.read_bytes() == path.read_bytes()
+    with pytest.raises(ArgumentError, match="path: expected a folder, or a path that ends as one of the files"):
+        found.save(tmp_path / "none" / "found.tiff")
+    assert not (tmp_path / "none").exists()
 
 
 def defined(arrays):

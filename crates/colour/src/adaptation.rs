@@ -44,8 +44,13 @@ impl Adaptation {
         })
     }
 
+    /// The adaptation with this matrix.
+    pub fn of_matrix(matrix: [[f64; 3]; 3]) -> Self {
+        Self { matrix }
+    }
+
     /// The matrix.
-    pub(crate) fn matrix(&self) -> &Matrix {
+    pub fn matrix(&self) -> &[[f64; 3]; 3] {
         &self.matrix
     }
 

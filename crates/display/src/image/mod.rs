@@ -477,6 +477,11 @@ impl ImageResult {
         pixels.iter().map(wanted).collect()
     }
 
+    /// Adaptation of what is seen to D65.
+    pub fn to_d65(&self) -> &Adaptation {
+        &self.to_d65
+    }
+
     /// Linear red, green and blue of a sample of [`seen`](Self::seen) with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
     pub fn linear(&self, sample: usize) -> [f32; 3] {
         self.to_d65.apply(colour(self.seen[sample])).linear_srgb().map(|value| value as f32)
