@@ -12,6 +12,8 @@ use super::run::Fitting;
 /// describe the data.
 const FAR_ABOVE: f64 = 6.0;
 const TIMES: f64 = 3.0;
+/// Standard deviations of a prior beyond which a value does not agree with it.
+const FAR_FROM_PRIOR: f64 = 4.0;
 /// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
 const SMALL: f64 = 0.25;
 /// Runs that are fewer than this, in standard deviations, are noted.
@@ -26,7 +28,8 @@ impl Fitting<'_> {
         runs: &Option<Runs>,
         starts: Starts,
     ) -> Vec<String> {
-        let is_small = best.chi_square < SMALL * self.degrees_of_freedom().max(1) as f64;
+        let of_data = &best.residuals[..self.model.observations.len().min(best.residuals.len())];
+        let is_small = dot(of_data, of_data) < SMALL * self.degrees_of_freedom().max(1) as f64;
         let systematic = runs.filter(|runs| runs.z < FEW_RUNS && !is_small).map(|runs| {
             format!(
                 "the residuals have {} runs of one sign, independent errors have {:.0} (z = {:.1}): the model or the measurement differs \
@@ -54,7 +57,10 @@ impl Fitting<'_> {
         let some = freedom.max(1) as f64;
         let most = (some + FAR_ABOVE * (2.0 * some).sqrt()).max(TIMES * some);
         let is_stated = !self.has_unstated(Unit::Fraction) && !self.has_unstated(Unit::Lab);
-        if !is_stated || best.chi_square <= most {
+        if !is_stated {
+            return self.far_from_its_prior(best);
+        }
+        if best.chi_square <= most {
             return None;
         }
         let (of_freedom, _) = counted(freedom as usize, "degree of freedom", "degrees of freedom");
@@ -64,6 +70,19 @@ impl Fitting<'_> {
             "chi-square, {chi_square}, is far above {of_freedom}: the model does not describe the data within the stated standard deviations, and \
              the intervals are too narrow{prior}"
         ))
+    }
+
+    /// Remark on the value that is farthest from the mean of its prior, where the errors of the data follow from their residuals.
+    fn far_from_its_prior(&self, best: &Minimum) -> Option<String> {
+        let priors = self.spec.variables.iter().filter_map(|one| Some((one.name.as_str(), one.prior?)));
+        let away = priors.zip(best.residuals.iter().skip(self.model.observations.len()));
+        let ((name, [mean, sigma]), away) = away.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        (away.abs() > FAR_FROM_PRIOR).then(|| {
+            format!(
+                "{name} is {:.1} standard deviations of its prior, {mean} +- {sigma}, from the mean: the data do not agree with it",
+                away.abs()
+            )
+        })
     }
 
     /// The prior without which chi-square would fall most, if that is by most of it.

@@ -22,10 +22,16 @@ use crate::{Condition, DesignError, Evaluator, NamedQuantity, Study, Values, Var
 
 /// Points of which the best one is a start, other than the scenario's own.
 const POINTS_PER_START: u64 = 8;
-/// Most times that standard deviations are estimated, or a better minimum is found at an end of an interval.
+/// Most times that a better minimum is found at an end of an interval.
 const MOST_ROUNDS: usize = 10;
+/// Most times that standard deviations are estimated.
+const MOST_ESTIMATES: usize = 30;
 /// Standard deviation of the first round for numbers that state none.
 const FIRST: CommonDeviations = CommonDeviations { fraction: 0.01, lab: 1.0 };
+/// The smallest. Numbers of a display have errors of about a tenth of these: an exact simulation can be fitted, too.
+const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
+/// Difference of -2 ln L above which a minimum is another one.
+const BETTER: f64 = 0.1;
 /// Normal quantiles of 68.3 and 95 %.
 const QUANTILES: [f64; 2] = [1.0, 1.959_963_985];
 /// Chi-squares that differ by less belong to the same minimum.
@@ -134,17 +140,7 @@ impl<'stop> Fitting<'stop> {
     /// # Errors
     /// If a display cannot be computed, or the fit was interrupted.
     pub fn run(&self, threads: usize, progress: &FitProgress<'_>) -> Result<Option<FitReport>, DesignError> {
-        let mut common = FIRST;
-        let found = self.starts(common, threads, progress)?;
-        let converged: Vec<&Minimum> = found.iter().flatten().filter(|one| one.has_converged).collect();
-        let best = converged.iter().copied().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square)).cloned();
-        let Some(mut best) = best else { return Ok(None) };
-        let same = (SAME).max(1e-6 * best.chi_square);
-        let starts = Starts {
-            count: self.spec.starts,
-            converged: converged.len(),
-            best: converged.iter().filter(|one| one.chi_square <= best.chi_square + same).count(),
-        };
+        let Some((mut best, mut common, starts)) = self.minimum(threads, progress)? else { return Ok(None) };
         let mut done = OF_STARTS;
         for round in 1..=MOST_ROUNDS {
             (best, common) = self.refined(best, common)?;
@@ -173,18 +169,46 @@ impl<'stop> Fitting<'stop> {
         }
     }
 
-    /// Descends from every start.
+    /// The minimum of the largest likelihood, with the standard deviations that follow from the residuals.
+    ///
+    /// Priors make two solutions possible: data of large errors, which the priors outweigh, and data of small errors, which outweigh
+    /// the priors. Both are computed.
+    fn minimum(
+        &self,
+        threads: usize,
+        progress: &FitProgress<'_>,
+    ) -> Result<Option<(Minimum, CommonDeviations, Starts)>, DesignError> {
+        let is_unstated = self.has_unstated(Unit::Fraction) || self.has_unstated(Unit::Lab);
+        let has_prior = self.spec.variables.iter().any(|one| one.prior.is_some());
+        let begun: &[CommonDeviations] = if is_unstated && has_prior { &[FIRST, LEAST] } else { &[FIRST] };
+        let mut found: Option<(Minimum, CommonDeviations, Starts)> = None;
+        for (number, common) in begun.iter().enumerate() {
+            let of_all = |fraction: f64, words: &str| {
+                progress(OF_STARTS * (number as f64 + fraction) / begun.len() as f64, words)
+            };
+            let Some((best, starts)) = self.starts(*common, threads, &of_all)? else { continue };
+            let (best, common) = self.refined(best, *common)?;
+            let unlikely = |best: &Minimum, common| best.chi_square + self.of_deviations(common);
+            let is_better = found.as_ref().is_none_or(|(other, of_other, _)| {
+                unlikely(&best, common) < unlikely(other, *of_other) - BETTER
+            });
+            if is_better {
+                found = Some((best, common, starts));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Descends from every start; the best minimum, if any led to one.
     fn starts(
         &self,
         common: CommonDeviations,
         threads: usize,
         progress: &FitProgress<'_>,
-    ) -> Result<Vec<Option<Minimum>>, DesignError> {
+    ) -> Result<Option<(Minimum, Starts)>, DesignError> {
         let count = self.spec.starts;
-        let words = |done: usize| {
-            progress(OF_STARTS * done as f64 / count as f64, &format!("{done} of {count} starts"))
-        };
-        in_parallel(
+        let words = |done: usize| progress(done as f64 / count as f64, &format!("{done} of {count} starts"));
+        let found = in_parallel(
             threads,
             count,
             words,
@@ -193,7 +217,17 @@ impl<'stop> Fitting<'stop> {
                 let point = self.start(problem, start)?;
                 descend(problem, &point, &vec![false; point.len()], None)
             },
-        )
+        )?;
+        let converged: Vec<&Minimum> = found.iter().flatten().filter(|one| one.has_converged).collect();
+        let best = converged.iter().copied().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square)).cloned();
+        let Some(best) = best else { return Ok(None) };
+        let same = (SAME).max(1e-6 * best.chi_square);
+        let starts = Starts {
+            count,
+            converged: converged.len(),
+            best: converged.iter().filter(|one| one.chi_square <= best.chi_square + same).count(),
+        };
+        Ok(Some((best, starts)))
     }
 
     /// Starting point: the scenario's own values, or the best of several points within the bounds.
@@ -221,7 +255,7 @@ impl<'stop> Fitting<'stop> {
         mut best: Minimum,
         mut common: CommonDeviations,
     ) -> Result<(Minimum, CommonDeviations), DesignError> {
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MOST_ESTIMATES {
             let mut problem = self.problem(common);
             let held = vec![false; best.point.len()];
             best = descend(&mut problem, &best.point, &held, None)?.unwrap_or(best);
@@ -243,8 +277,6 @@ impl<'stop> Fitting<'stop> {
     fn estimated(&self, problem: &Problem<'_, '_>, best: &Minimum) -> CommonDeviations {
         let covariance = determined(&best.jacobian).covariance;
         let leverages = statistics::leverages(&best.jacobian, &covariance);
-        // Numbers of a display have errors of about a tenth of these: an exact simulation can be fitted, too.
-        const LEAST: CommonDeviations = CommonDeviations { fraction: 1e-6, lab: 1e-4 };
         let of = |unit: Unit, now: f64, least: f64| {
             let all = self.model.observations.iter().zip(best.residuals.iter().zip(&leverages));
             let unstated = all
@@ -288,7 +320,7 @@ impl<'stop> Fitting<'stop> {
             self.model.observations.get(residual).is_some_and(|one| one.standard_deviation.is_none())
         };
         let freedom = statistics::freedom(&best.jacobian, &covariance, is_unstated);
-        let quantiles_of = |variable: usize| QUANTILES.map(|z| student(z, freedom[variable].max(3.0)));
+        let quantiles_of = |variable: usize| QUANTILES.map(|z| student(z, freedom[variable].max(1.0)));
         let tasks: Vec<(usize, f64)> = (0..n)
             .filter(|k| !undetermined.iter().flatten().any(|other| other == k))
             .flat_map(|k| [(k, -1.0), (k, 1.0)])
@@ -453,16 +485,21 @@ impl<'stop> Fitting<'stop> {
 
     /// Bayesian information criterion; a standard deviation from the residuals is one more variable.
     fn bic(&self, best: &Minimum, common: CommonDeviations) -> f64 {
-        let units = [(Unit::Fraction, common.fraction), (Unit::Lab, common.lab)];
-        let mut logarithms = 0.0;
-        let mut variables = best.point.len();
-        for (unit, deviation) in units.into_iter().filter(|(unit, _)| self.has_unstated(*unit)) {
-            let all = self.model.observations.iter();
-            let count = all.filter(|one| one.standard_deviation.is_none() && one.unit() == unit).count();
-            logarithms += 2.0 * count as f64 * deviation.ln();
-            variables += 1;
-        }
-        best.chi_square + logarithms + variables as f64 * (self.model.observations.len() as f64).ln()
+        let of_residuals = [Unit::Fraction, Unit::Lab].into_iter().filter(|unit| self.has_unstated(*unit));
+        let variables = best.point.len() + of_residuals.count();
+        best.chi_square
+            + self.of_deviations(common)
+            + variables as f64 * (self.model.observations.len() as f64).ln()
+    }
+
+    /// Part of -2 ln L by the standard deviations from the residuals.
+    fn of_deviations(&self, common: CommonDeviations) -> f64 {
+        let all = self.model.observations.iter().filter(|one| one.standard_deviation.is_none());
+        let of = |unit: Unit| match unit {
+            Unit::Lab => common.lab,
+            Unit::Fraction | Unit::Metric => common.fraction,
+        };
+        all.map(|one| 2.0 * of(one.unit()).ln()).sum()
     }
 }
 

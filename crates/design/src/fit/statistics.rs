@@ -1,11 +1,24 @@
 //! Statistics of residuals.
 
+use std::f64::consts::FRAC_PI_2;
+
+use papilio_sampling::erfc;
+
 use super::model::{Model, Unit};
 use super::report::Runs;
 
-/// Quantile of Student's t whose two-sided probability is that of the normal quantile `z`: expansion about it
-/// (Abramowitz and Stegun 26.7.5), for 3 or more degrees of freedom.
+/// Degrees of freedom below which the quantile of Student's t is that of its integral.
+const FEW: f64 = 5.0;
+/// Intervals of the integral, and bisections of its end.
+const STEPS: usize = 256;
+const BISECTIONS: usize = 60;
+
+/// Quantile of Student's t whose two-sided probability is that of the normal quantile `z`, for 1 or more degrees of freedom:
+/// expansion about it (Abramowitz and Stegun 26.7.5); for few, from the integral of its density.
 pub(super) fn student(z: f64, freedom: f64) -> f64 {
+    if freedom < FEW {
+        return student_of_few(z, freedom);
+    }
     let z2 = z * z;
     let terms = [
         z * (z2 + 1.0) / 4.0,
@@ -13,6 +26,27 @@ pub(super) fn student(z: f64, freedom: f64) -> f64 {
         z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
     ];
     z + (terms[0] + (terms[1] + terms[2] / freedom) / freedom) / freedom
+}
+
+/// The same for few degrees of freedom v: with `t = sqrt(v) tan a`, the density is proportional to `cos(a)^(v - 1)`.
+fn student_of_few(z: f64, freedom: f64) -> f64 {
+    let integral = |end: f64| {
+        let step = end / STEPS as f64;
+        let at = |k: usize| (k as f64 * step).cos().max(0.0).powf(freedom - 1.0);
+        // Simpson's rule.
+        (0..=STEPS)
+            .map(|k| at(k) * if k == 0 || k == STEPS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 })
+            .sum::<f64>()
+            * step
+            / 3.0
+    };
+    let wanted = (1.0 - erfc(z / 2_f64.sqrt())) * integral(FRAC_PI_2);
+    let (mut from, mut to) = (0.0, FRAC_PI_2);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (from + to);
+        if integral(middle) < wanted { from = middle } else { to = middle }
+    }
+    freedom.sqrt() * from.tan()
 }
 
 /// Change of each variable with each residual, `[variable][residual]`: `C J^T`, from the Jacobian (column by
@@ -115,6 +149,10 @@ mod tests {
             [(1.959_964, 5.0, 2.5706), (1.959_964, 30.0, 2.0423), (1.0, 10.0, 1.0526), (1.0, 30.0, 1.0171)]
         {
             assert!((student(z, freedom) - quantile).abs() < 4e-3, "{z} {freedom}: {}", student(z, freedom));
+        }
+        for (freedom, quantile) in [(1.0, 12.706), (2.0, 4.3027), (3.0, 3.1824), (4.0, 2.7764)] {
+            let found = student(1.959_963_985, freedom);
+            assert!((found / quantile - 1.0).abs() < 2e-3, "{freedom}: {found}");
         }
     }
 }

@@ -3,6 +3,7 @@
 use papilio_colour::Xyz;
 use papilio_display::compare::{Measured, MeasuredMetric, Measurement, Quantity, StandardDeviation};
 use papilio_display::scene::Metric;
+use papilio_spectra::Tabulated;
 
 use crate::fit::{BARE, DISPLAY, FILL, FILM, GAP, SCALE, contains, fit, named, simulated, spectra, try_fit};
 
@@ -233,4 +234,48 @@ fn prior_against_the_data_is_named() {
     assert!(note.contains("without the prior of display.pixel.film.0.thickness_nm, 405 +- 0.01"), "{note}");
     let right = format!("{FILM}prior = {{ mean = 411, sigma = 1 }}\n");
     assert!(!fit(BARE, &[&right], &measured).notes.iter().any(|note| note.contains("prior")));
+}
+
+/// Spectra of a simulation, without error and without a stated deviation.
+fn exact(display: &str, set: &[&str], states: &[&str]) -> Measurement {
+    let set: Vec<String> = set.iter().map(|one| (*one).to_owned()).collect();
+    let of = simulated(display, &set);
+    let mut measured = spectra(&of, states, 0, false);
+    for state in &mut measured.states {
+        let exact = of.views[0].states.iter().find(|one| one.name == state.state).unwrap();
+        let values = exact.reflectance_factor.clone();
+        state.quantity = Quantity::Spectrum(Tabulated::new(of.grid.wavelengths_nm(), values).unwrap());
+    }
+    measured
+}
+
+/// Data without error outweigh a prior at a wrong value, however many standard deviations away, and their residuals, of the last
+/// digits, are no systematic difference. The likelihood of errors as large as the prior would need is smaller: 61 numbers, `2 * 61 *
+/// ln(0.015/1e-6)` = 1170, against the squares of 6, 20 and 30 standard deviations.
+#[test]
+fn data_without_error_outweigh_a_prior() {
+    let measured = exact(BARE, &["display.pixel.film.0.thickness_nm=411"], &["film"]);
+    for sigma in [1.0, 0.3, 0.2] {
+        let found = fit(BARE, &[&format!("{FILM}prior = {{ mean = 405, sigma = {sigma} }}\n")], &measured);
+        assert!((found.variables[0].value.unwrap() - 411.0).abs() < 1e-3, "{sigma}: {:?}", found.variables);
+        let away = 6.0 / sigma;
+        assert!((found.chi_square / (away * away) - 1.0).abs() < 1e-3, "{sigma}: {}", found.chi_square);
+        let remark = format!("{:.1} standard deviations of its prior", away);
+        assert!(found.notes.len() == 1 && found.notes[0].contains(&remark), "{:?}", found.notes);
+    }
+}
+
+/// Two numbers whose standard deviation follows from their residuals leave one degree of freedom to one variable, whose interval is
+/// that of Student's quantile, 12.706.
+#[test]
+fn two_numbers_have_one_degree_of_freedom() {
+    let mut measured = exact(BARE, &["display.pixel.film.0.thickness_nm=411"], &["film"]);
+    let Quantity::Spectrum(spectrum) = &measured.states[0].quantity else { panic!("a spectrum") };
+    let values = vec![spectrum.at(450.0).unwrap() + 2e-4, spectrum.at(600.0).unwrap() + 2e-4];
+    measured.states[0].quantity = Quantity::Spectrum(Tabulated::new(vec![450.0, 600.0], values).unwrap());
+    let found = fit(BARE, &[FILM], &measured);
+    let one = &found.variables[0];
+    let [from, to] = one.interval_95.unwrap();
+    let ratio = 0.5 * (to - from) / one.standard_error.unwrap();
+    assert!((ratio / 12.706 - 1.0).abs() < 0.02, "{ratio} {one:?}");
 }
