@@ -406,8 +406,10 @@ fn length([x, y]: [f64; 2]) -> f64 {
     x.hypot(y)
 }
 
+/// Borders of bins between two ends; beyond them there is no light.
 fn bounded(from: f64, edges: &[f64], to: f64) -> Vec<f64> {
-    std::iter::once(from).chain(edges.iter().copied()).chain([to]).collect()
+    let edges = edges.iter().map(|edge| edge.clamp(from, to));
+    std::iter::once(from).chain(edges).chain([to]).collect()
 }
 
 #[cfg(test)]
@@ -462,6 +464,18 @@ mod tests {
         let rings = spread.point_spread().rings(&[radius]).sums(|_| 1.0);
         // A tenth is not scattered.
         assert!((rings[0] / (rings[0] + rings[1]) - 0.55).abs() < 2e-4, "{rings:?}");
+    }
+
+    /// Sharp images are in the rings and strips of their places, and nothing else is; beyond all light a ring has none.
+    #[test]
+    fn bins_of_images_hold_their_light() {
+        let image = |x: f64, weight: f64| Image { at_mm: [x, 0.0], beta_squared: 0.0, weight };
+        let points = PointSpread::of_images([image(0.0, 0.6), image(0.2, 0.3)].into_iter());
+        assert_eq!(points.rings(&[1e-6, 0.1, 0.3, 1.0]).sums(|_| 1.0), [0.6, 0.0, 0.3, 0.0, 0.0]);
+        assert_eq!(points.strips(0, &[-0.1, 0.1, 1.0]).sums(|_| 1.0), [0.0, 0.6, 0.3, 0.0]);
+        let spread = spread(0.02, 1e-3, Beta::default(), Light::Diffuse);
+        let rings = spread.point_spread().rings(&[0.5, 2.0, 5.0]).sums(|_| 1.0);
+        assert_eq!(rings[2..], [0.0, 0.0]);
     }
 
     /// Cells of a narrow lobe have the closed form of small angles: solid angles of rectangles.
