@@ -150,7 +150,12 @@ impl Frame<'_> {
         let (mut coarse, fine) = (found.coarser, found.finer);
         widen(&mut coarse, &fine, factor);
         let states = self.setup.states.iter().enumerate();
-        let states = states.map(|(state, name)| (name.clone(), self.state(state, &coarse, &fine)));
+        let of_state = |(number, name): (usize, &String)| {
+            let mut state = self.state(number, &coarse, &fine);
+            self.add_between_frequencies(&mut state.error, number, &fine);
+            (name.clone(), state)
+        };
+        let states = states.map(of_state);
         Ok(MtfView {
             theta_deg: view.theta_deg,
             phi_deg: view.phi_deg,

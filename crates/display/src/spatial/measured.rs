@@ -36,6 +36,12 @@ pub(super) struct Light {
 }
 
 impl Light {
+    /// Modulation transfer along an axis.
+    pub(super) fn modulus(&self, axis: usize) -> Vec<f64> {
+        let zero = self.transfer[axis][0].norm();
+        self.transfer[axis].iter().map(|value| value.norm() / zero).collect()
+    }
+
     /// The same light times a factor.
     pub(super) fn scaled(&self, factor: f64) -> Self {
         let scaled = |values: &Vec<f64>| values.iter().map(|value| factor * value).collect();

@@ -264,7 +264,10 @@ impl<'a> Frame<'a> {
         let level = Level { digits, most_per_mm, is_fine: true, is_other: false, finer: 0 };
         let against = |coarse: &Measured| {
             let mut states = states(coarse, fine);
-            states.iter_mut().for_each(|(_, state)| layered::widen_radii(&mut state.error, factor));
+            for (number, (_, state)) in states.iter_mut().enumerate() {
+                layered::widen_radii(&mut state.error, factor);
+                self.add_between(&mut state.error, number, fine);
+            }
             self.seen(view, states, coarse, fine)
         };
         let mut seen = against(found.finer.coarse(&found.coarser));
@@ -317,10 +320,6 @@ impl<'a> Frame<'a> {
         let mut error = scalars;
         let pairs = error.all_mut().zip(self.scalars(state, coarse).named());
         pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
-        let between = self.radius_errors(state, fine);
-        for (error, between) in [&mut error.r50_um, &mut error.r90_um].into_iter().zip(between) {
-            *error = error.zip(between).map(|(error, between)| error + between);
-        }
         let all = fine.names.len() - 1;
         let curves = |light: usize| {
             self.curves([coarse, fine].map(|level| &level.lights[state][light]), fine.y(state))

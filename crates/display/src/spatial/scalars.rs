@@ -4,15 +4,11 @@ use papilio_colour::reader::{contrast_sensitivity, square_root_integral};
 
 use super::measured::Measured;
 use super::mtf::Frame;
-use super::profile::{between, crossing, cumulative, interpolated};
+use super::profile::{between, crossing, crossing_error, cumulative, error_between, interpolated};
 use super::{Sharpness, SpatialScalars};
 
 /// Field of view of the square-root integral, degrees.
 const FIELD_DEG: f64 = 10.0;
-
-/// Part of the difference that every second border makes that is an error of what is read between all borders: cubic
-/// pieces of half the length have a sixteenth of the error, or a fourth where the slope jumps.
-const OF_HALF: f64 = 0.25;
 
 /// Widths of edges up to this part of the extent of a table are those of sharp images: the distance of the
 /// places beside them.
@@ -21,19 +17,13 @@ const SHARPEST: f64 = 1e-6;
 impl Frame<'_> {
     /// Computes the metrics of a state; none for one without light.
     pub(super) fn scalars(&self, state: usize, measured: &Measured) -> SpatialScalars {
-        let all = measured.lights[state].last().filter(|_| measured.y(state) > 0.0);
+        let y = measured.y(state);
+        let all = measured.lights[state].last().filter(|_| y > 0.0);
         let Some(all) = all else { return SpatialScalars::default() };
-        let modulus = [0, 1].map(|axis| -> Vec<f64> {
-            let zero = all.transfer[axis][0].norm();
-            all.transfer[axis].iter().map(|value| value.norm() / zero).collect()
-        });
-        let f50 = |axis: usize| {
-            let lost: Vec<f64> = modulus[axis].iter().map(|m| 1.0 - m).collect();
-            crossing(&measured.frequencies, &lost, 0.5)
-        };
+        let frequencies = &measured.frequencies[..];
+        let modulus = [0, 1].map(|axis| all.modulus(axis));
         let nyquist = |axis: usize| {
-            self.nyquist_per_mm
-                .map(|nyquist| interpolated(&measured.frequencies, &modulus[axis], nyquist[axis]))
+            self.nyquist_per_mm.map(|nyquist| interpolated(frequencies, &modulus[axis], nyquist[axis]))
         };
         let edge = |axis: usize| {
             let edge = cumulative(&all.strips[axis]);
@@ -49,43 +39,72 @@ impl Frame<'_> {
             }
             crossing(&measured.radii, &rings, share).map(|radius| 1e3 * radius)
         };
-        let sqri = |axis: usize| {
-            self.square_root_integral(measured.y(state), axis, |u| {
-                interpolated(&measured.frequencies, &modulus[axis], u / self.mm_per_degree)
-            })
-        };
         SpatialScalars {
-            f50_x_per_mm: f50(0),
-            f50_y_per_mm: f50(1),
+            f50_x_per_mm: half(frequencies, &modulus[0]),
+            f50_y_per_mm: half(frequencies, &modulus[1]),
             mtf_nyquist_x: nyquist(0),
             mtf_nyquist_y: nyquist(1),
             edge_10_90_x_um: edge(0),
             edge_10_90_y_um: edge(1),
             r50_um: radius(0.5),
             r90_um: radius(0.9),
-            sqri_jnd_x: sqri(0),
-            sqri_jnd_y: sqri(1),
+            sqri_jnd_x: self.sqri(y, 0, frequencies, &modulus[0]),
+            sqri_jnd_y: self.sqri(y, 1, frequencies, &modulus[1]),
         }
     }
 
-    /// Errors of the radii that have 50 and 90 % of the light by what lies between the borders of rings, um.
-    pub(super) fn radius_errors(&self, state: usize, measured: &Measured) -> [Option<f64>; 2] {
-        let Some(all) = measured.lights[state].last() else { return [None; 2] };
-        let rings = cumulative(&all.rings);
-        let every_second = |values: &[f64]| values.iter().step_by(2).copied().collect::<Vec<f64>>();
-        let [few_radii, few_rings] = [&measured.radii, &rings].map(|values| every_second(values));
-        [0.5, 0.9].map(|share| {
-            // A sharp image.
-            if rings.first().is_some_and(|sharp| *sharp >= share) {
-                return Some(0.0);
-            }
-            let radius = crossing(&measured.radii, &rings, share)?;
-            Some(1e3 * OF_HALF * (radius - crossing(&few_radii, &few_rings, share)?).abs())
-        })
+    /// Square-root integral of a page of this Y along an axis, with a table of the modulation transfer.
+    fn sqri(&self, y: f64, axis: usize, frequencies: &[f64], modulus: &[f64]) -> Option<f64> {
+        self.square_root_integral(y, axis, |u| interpolated(frequencies, modulus, u / self.mm_per_degree))
     }
 
-    /// Adds the errors by the distance of places to those of radii and widths of edges that are known.
+    /// Adds the errors by the distance of places and frequencies to those of what is read between them.
     pub(super) fn add_between(&self, errors: &mut SpatialScalars, state: usize, measured: &Measured) {
+        let Some(all) = measured.lights[state].last().filter(|_| measured.y(state) > 0.0) else { return };
+        let read = |places: &[f64], bins: &[f64], shares: &[f64]| -> Option<f64> {
+            let cumulative = cumulative(bins);
+            let error = |share: &f64| crossing_error(places, &cumulative, *share);
+            shares.iter().map(error).sum::<Option<f64>>().map(|error| 1e3 * error)
+        };
+        let SpatialScalars { edge_10_90_x_um, edge_10_90_y_um, r50_um, r90_um, .. } = errors;
+        for (axis, error) in [edge_10_90_x_um, edge_10_90_y_um].into_iter().enumerate() {
+            add(error, read(&measured.places[axis], &all.strips[axis], &[0.1, 0.9]));
+        }
+        for (error, share) in [(r50_um, 0.5), (r90_um, 0.9)] {
+            let is_sharp = cumulative(&all.rings).first().is_some_and(|sharp| *sharp >= share);
+            add(error, if is_sharp { None } else { read(&measured.radii, &all.rings, &[share]) });
+        }
+        self.add_between_frequencies(errors, state, measured);
+    }
+
+    /// Adds the errors by the distance of frequencies.
+    pub(super) fn add_between_frequencies(
+        &self,
+        errors: &mut SpatialScalars,
+        state: usize,
+        measured: &Measured,
+    ) {
+        let y = measured.y(state);
+        let Some(all) = measured.lights[state].last().filter(|_| y > 0.0) else { return };
+        let SpatialScalars { f50_x_per_mm, f50_y_per_mm, sqri_jnd_x, sqri_jnd_y, .. } = errors;
+        for (axis, (f50, sqri)) in
+            [(f50_x_per_mm, sqri_jnd_x), (f50_y_per_mm, sqri_jnd_y)].into_iter().enumerate()
+        {
+            let modulus = all.modulus(axis);
+            let lost: Vec<f64> = modulus.iter().map(|modulus| 1.0 - modulus).collect();
+            add(f50, crossing_error(&measured.frequencies, &lost, 0.5));
+            let integral = |frequencies: &[f64], modulus: &[f64]| self.sqri(y, axis, frequencies, modulus);
+            add(sqri, error_between(&measured.frequencies, &modulus, integral));
+        }
+    }
+
+    /// Adds the errors by the distance of places, in tables by paths, and of frequencies.
+    pub(super) fn add_between_of_paths(
+        &self,
+        errors: &mut SpatialScalars,
+        state: usize,
+        measured: &Measured,
+    ) {
         let Some(all) = measured.lights[state].last() else { return };
         let add = |error: &mut Option<f64>, (places, bins): (&[f64], &[f64]), shares: &[f64]| {
             let cumulative = cumulative(bins);
@@ -99,6 +118,7 @@ impl Frame<'_> {
         for (error, share) in [(r50_um, 0.5), (r90_um, 0.9)] {
             add(error, (&measured.radii, &all.rings), &[share]);
         }
+        self.add_between_frequencies(errors, state, measured);
     }
 
     /// Square-root integral of a page of this Y along an axis, whose transfer is given for cycles per degree.
@@ -118,6 +138,17 @@ impl Frame<'_> {
             sqri_ideal_jnd: [perfect(0)?, perfect(1)?],
         })
     }
+}
+
+/// Lowest frequency at which half of the modulation is left.
+fn half(frequencies: &[f64], modulus: &[f64]) -> Option<f64> {
+    let lost: Vec<f64> = modulus.iter().map(|modulus| 1.0 - modulus).collect();
+    crossing(frequencies, &lost, 0.5)
+}
+
+/// Adds to an error that is known.
+fn add(error: &mut Option<f64>, more: Option<f64>) {
+    *error = error.map(|error| error + more.unwrap_or(0.0));
 }
 
 /// Highest frequency at which the eye sees full contrast, cycles per degree.

@@ -104,6 +104,37 @@ fn narrow_lobe_has_closed_forms() {
     near("line", result.views[0].line_contrast.black_1_x.unwrap(), line / (2.0 - line), 2.0 * b);
 }
 
+/// Radii, widths of edges and the frequency of half the modulation are read between places and frequencies: the closed forms of a narrow
+/// lobe, of which a part is not scattered, are within the errors (and light beyond the hemisphere, a fraction of its width).
+#[test]
+fn numbers_between_places_of_tables_are_within_their_errors() {
+    let view = "[viewer]\ntheta_deg = 0\nfield_deg = 0\n";
+    for (b, regular) in [(1e-4, 0.0), (1e-3, 0.0), (1e-3, 0.2), (1e-3, 0.6)] {
+        let lobe = LOBE.replace("0.05667", &format!("{b}\nregular_fraction = {regular}"));
+        let result = computed(&[&lobe, &glass("coated", 0.5), MATRIX, MIRROR, DIFFUSE, view]).unwrap();
+        let (value, error) = (white(&result).scalars, white(&result).error);
+        let c_um = 1e3 * b * 0.5 / 1.5;
+        // Shares of the light that is scattered.
+        let of_edge = 0.1 / (1.0 - regular);
+        let edge = 2.0 * c_um * (std::f64::consts::PI * (0.5 - of_edge)).tan();
+        let radius = |share: f64| {
+            let left = (1.0 - share) / (1.0 - regular);
+            if left > 1.0 { 0.0 } else { c_um * (left.powi(-2) - 1.0).sqrt() }
+        };
+        let pairs = [
+            ("edge along x", value.edge_10_90_x_um, error.edge_10_90_x_um, edge),
+            ("edge along y", value.edge_10_90_y_um, error.edge_10_90_y_um, edge),
+            ("r50", value.r50_um, error.r50_um, radius(0.5)),
+            ("r90", value.r90_um, error.r90_um, radius(0.9)),
+        ];
+        for (what, value, error, expected) in pairs {
+            let (value, error) = (value.unwrap(), error.unwrap());
+            near(&format!("{what} of {b}"), value, expected, error + 5.0 * b * expected + 1e-12);
+            assert!(error <= 0.03 * expected, "{what}: {value} +- {error}");
+        }
+    }
+}
+
 /// A lobe much narrower than a pixel: sharp, and no frequency of half the modulation.
 #[test]
 fn lobe_much_narrower_than_a_pixel_is_sharp() {

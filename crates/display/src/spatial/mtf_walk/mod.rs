@@ -397,7 +397,7 @@ fn state_of(frame: &Frame<'_>, grid: &Grid, found: &[Found], state: usize) -> Mt
     for (k, slot) in scalar_errors.all_mut().enumerate() {
         *slot = error(found, |one| one.scalars[state].named().nth(k).and_then(|(_, value)| value));
     }
-    frame.add_between(&mut scalar_errors, state, &all.measured);
+    frame.add_between_of_paths(&mut scalar_errors, state, &all.measured);
     let tables = (0..=lights).flat_map(|light| [0, 1].map(|axis| (light, axis)));
     let tables = tables.map(|(light, axis)| {
         let mut table = all.measured.table(&all.measured, state, light, axis);
