@@ -84,7 +84,7 @@ impl Frame<'_> {
                 images.iter().flat_map(|at| [-SHARP, SHARP].map(|side| at[axis] + side * self.thickness_mm));
             places((&peaks, PER_SIDE), axis, extent, &halves.chain(sharp).collect::<Vec<_>>())
         };
-        let radii = radii((&peaks, PER_SIDE), extent, SHARP * self.thickness_mm);
+        let radii = radii((&peaks, PER_SIDE), extent, &images, SHARP * self.thickness_mm);
         Borders { places: [along(0), along(1)], radii }
     }
 

@@ -50,13 +50,21 @@ pub(super) fn places(
 
 /// Ascending radii of rings about the view's own ray, mm, dense at the distances of the peaks: the light of a lamp's
 /// image lies within a narrow ring.
-pub(super) fn radii((peaks, per_side): (&[Peak], usize), extent_mm: f64, sharp_mm: f64) -> Vec<f64> {
+/// Each sharp image at `images_mm` has its light between two radii, `sharp_mm` on both sides of it.
+pub(super) fn radii(
+    (peaks, per_side): (&[Peak], usize),
+    extent_mm: f64,
+    images_mm: &[[f64; 2]],
+    sharp_mm: f64,
+) -> Vec<f64> {
     let at_distance = |peak: &Peak| {
         let [x, y] = peak.at_mm;
         Peak { at_mm: [x.hypot(y), 0.0], width_mm: peak.width_mm }
     };
     let peaks: Vec<Peak> = peaks.iter().map(at_distance).collect();
-    let mut radii = places((&peaks, per_side), 0, extent_mm, &[sharp_mm]);
+    let beside = images_mm.iter().flat_map(|[x, y]| [-sharp_mm, sharp_mm].map(|side| x.hypot(*y) + side));
+    let fixed: Vec<f64> = beside.chain([sharp_mm]).collect();
+    let mut radii = places((&peaks, per_side), 0, extent_mm, &fixed);
     radii.retain(|radius| *radius > 0.0);
     radii
 }

@@ -135,6 +135,21 @@ fn numbers_between_places_of_tables_are_within_their_errors() {
     }
 }
 
+/// Dark paper below a front that reflects nearly all: steep views see the pixels again and again, each time twice the way through the
+/// air farther away. The second image beside them completes 90 % of the light.
+#[test]
+fn radius_of_a_sharp_image_is_its_distance() {
+    let front = "[[display.front]]\nreflectance = 0.9\ngap_mm = 0.05\n";
+    let view = "[viewer]\ntheta_deg = 80\nfield_deg = 0\n";
+    let result =
+        computed(&[front, &glass("fresnel", 0.5), MATRIX, &paper(1e-4, 0.0), DIFFUSE, view]).unwrap();
+    let (value, error) = (white(&result).scalars, white(&result).error);
+    assert_eq!(value.r50_um, Some(0.0));
+    let expected = 2.0 * 2.0 * 50.0 * 80.0_f64.to_radians().tan();
+    near("r90", value.r90_um.unwrap(), expected, 2e-3);
+    assert!(error.r90_um.unwrap() < 1e-3 * expected, "{error:?}");
+}
+
 /// A lobe much narrower than a pixel: sharp, and no frequency of half the modulation.
 #[test]
 fn lobe_much_narrower_than_a_pixel_is_sharp() {

@@ -207,7 +207,7 @@ impl Grid {
         let extent = (EXTENT * thickness).max(1e-3);
         let sharp = [-SHARP, SHARP].map(|side| side * extent);
         let borders = |axis: usize| places((&peaks, PER_SIDE), axis, extent, &sharp);
-        let radii = radii((&peaks, PER_SIDE), extent, SHARP * extent);
+        let radii = radii((&peaks, PER_SIDE), extent, &[], SHARP * extent);
         let pixels = frame.pitch_mm.map_or(0.0, |pitch| 2.0 * pitch[0].max(pitch[1]));
         let half = if half_mm.max(pixels) > 0.0 { half_mm.max(pixels) } else { thickness.max(1e-3) };
         Self {
