@@ -46,6 +46,7 @@ pub(super) struct Way<'a> {
 }
 
 /// Points: how many, of which replicate, and the fraction that comes back of the light of the brightest state.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Points {
     pub(super) count: usize,
     pub(super) stream: u64,
@@ -78,13 +79,7 @@ impl Meetings {
         let (mut light, mut all) = (vec![0.0; states], vec![0.0; states]);
         let mut chain = Chain::default();
         let (mut rho, mut seen) = (vec![0.0; states], vec![0.0; states]);
-        let mut fraction = 1.0;
-        for meetings in 2..=MOST {
-            if meetings > 2 && fraction * points.returned < FAINTEST {
-                break;
-            }
-            let count = ((points.count as f64 * fraction) as usize).max(FEWEST);
-            let numbers = SampleStream::new(Sampler::Sobol, points.stream, meetings as u64);
+        for (meetings, count, numbers) in each_number(points) {
             for point in 0..count as u64 {
                 let weight = chain.follow(way, meetings, &numbers, point);
                 if weight <= 0.0 {
@@ -106,7 +101,6 @@ impl Meetings {
                     all[state] += meetings as f64 * seen;
                 }
             }
-            fraction *= points.returned;
         }
         let scale: Vec<f64> = all.iter().map(|all| if *all > 0.0 { 1.0 / all } else { 0.0 }).collect();
         parts.chunks_exact_mut(states).for_each(|row| row.iter_mut().zip(&scale).for_each(|(p, s)| *p *= s));
@@ -215,16 +209,33 @@ impl Meetings {
     }
 }
 
+/// Numbers of meetings that are followed, each with its number of points, and their random numbers.
+pub(super) fn each_number(points: &Points) -> impl Iterator<Item = (usize, usize, SampleStream)> + use<> {
+    let &Points { count, stream, returned } = points;
+    (2..=MOST).map_while(move |meetings| {
+        let fraction = returned.powi(meetings as i32 - 2);
+        let points = ((count as f64 * fraction) as usize).max(FEWEST);
+        let numbers = SampleStream::new(Sampler::Sobol, stream, meetings as u64);
+        (meetings == 2 || fraction * returned >= FAINTEST).then_some((meetings, points, numbers))
+    })
+}
+
 /// Directions of light from the view to the source, and which passes of the diffuser between them keep the direction.
 #[derive(Default)]
-struct Chain {
+pub(super) struct Chain {
     beta: Vec<Beta>,
     kept: Vec<bool>,
 }
 
 impl Chain {
     /// Follows light of a number of meetings; returns its weight, 0 if there is none.
-    fn follow(&mut self, way: &Way<'_>, meetings: usize, numbers: &SampleStream, point: u64) -> f64 {
+    pub(super) fn follow(
+        &mut self,
+        way: &Way<'_>,
+        meetings: usize,
+        numbers: &SampleStream,
+        point: u64,
+    ) -> f64 {
         let passes = 2 * meetings;
         let [u, v, pass, _] = numbers.block(point, 2);
         let [lamp_u, lamp_v, ..] = numbers.block(point, 3);
@@ -288,12 +299,12 @@ impl Chain {
     }
 
     /// Directions along which light meets the pixel.
-    fn at_pixel(&self) -> impl Iterator<Item = &Beta> {
+    pub(super) fn at_pixel(&self) -> impl Iterator<Item = &Beta> {
         self.beta[..self.beta.len() - 1].iter().skip(1).step_by(2)
     }
 
     /// Calls a function with the place of each meeting, relative to where the view's own ray meets the pixel.
-    fn each_place(&self, way: &Way<'_>, mut each: impl FnMut([f64; 2])) {
+    pub(super) fn each_place(&self, way: &Way<'_>, mut each: impl FnMut([f64; 2])) {
         let own = displacement(self.beta[0], way.glass_mm, way.index);
         let mut place = own.map(|own| -own);
         for k in 1..self.beta.len() - 1 {

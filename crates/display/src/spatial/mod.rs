@@ -5,7 +5,7 @@
 //!
 //! | display | file |
 //! |---|---|
-//! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs`, `meetings.rs` |
+//! | a lobe over pixels | `lobe.rs`; over mirror-like ones with light that a front returns, `returned.rs`, `meetings.rs`, `figures.rs` |
 //! | Lambertian pixels under a flat face, or under a diffuser and a front | `paper.rs` |
 //! | mirror-like pixels under a flat face | `ghosts.rs` |
 //! | Lambertian pixels below general layers | `below_layers.rs` |
@@ -33,6 +33,7 @@ mod bounds;
 mod contrast;
 mod crosstalk;
 mod curve;
+mod figures;
 mod ghosts;
 mod irradiance;
 mod layered;

@@ -10,14 +10,15 @@
 //! pages, is exact. E/Y is about the reflectance of the front times that of the pixel.
 //! `adding::LayeredSpread` follows this light exactly, in seconds instead of milliseconds.
 //!
-//! **Figures.** In lines and text, light that was returned before its last meeting is seen there from the places of diffuse light; the
-//! coarse level takes the places of the source. In patterns, light that returns from elsewhere meets both halves equally often at each
-//! meeting; at the coarse level it has the mean of the orders of both. The differences are in the error.
+//! **Figures.** Lines, text and patterns have the light of all meetings of each point with their own state (`figures.rs`).
+
+use std::sync::Arc;
 
 use num_complex::Complex64;
 use papilio_transport::spatial::Peak;
 use papilio_transport::{Source, Top};
 
+use super::figures::{FigureLight, Figures};
 use super::lobe::{self, LobeResponse};
 use super::meetings::{Meetings, Points, Way};
 use super::patterns::{Pattern, Text};
@@ -36,9 +37,6 @@ const NOTHING: f64 = 1e-9;
 
 pub(super) struct Returned {
     first: LobeResponse,
-    /// What is seen of figures in diffuse light, and its Y by state; `None` if that is the first order, and at the
-    /// coarse level.
-    diffuse: Option<(LobeResponse, Vec<f64>)>,
     /// Y of light that meets the pixel once, `[state]`.
     once: Vec<f64>,
     /// Y over that of light that meets the pixel once, `[state]`.
@@ -47,6 +45,8 @@ pub(super) struct Returned {
     meetings: Option<Meetings>,
     /// Part of the response that is of these meetings, `[state]`.
     part: Vec<f64>,
+    /// The same light, by which states it meets.
+    figures: Option<FigureLight>,
 }
 
 /// Response of mirror-like pixels below a diffuser; `via_pixel` is the light of all orders,
@@ -84,8 +84,8 @@ impl Returned {
             .map(|(once, all)| if *once > 0.0 { (all / once).max(1.0) } else { 1.0 })
             .collect();
         let most = orders.iter().copied().fold(1.0, f64::max);
-        let meetings =
-            if most > 1.0 + NOTHING { meetings(lit, source, &first, (weights, most)) } else { None };
+        let found = if most > 1.0 + NOTHING { meetings(lit, source, &first, (weights, most)) } else { None };
+        let (meetings, figures) = found.unzip();
         let part = |(number, orders): (&f64, &f64)| {
             let more = number * (orders - 1.0);
             more / (1.0 + more)
@@ -94,12 +94,7 @@ impl Returned {
             Some(meetings) => meetings.number.iter().zip(&orders).map(part).collect(),
             None => vec![0.0; once.len()],
         };
-        let diffuse = (meetings.is_some() && lit.level.is_fine && *source != Source::Diffuse).then(|| {
-            let diffuse = lobe::response(lit, &Source::Diffuse, weights)?;
-            let y = luminous(&diffuse);
-            Ok::<_, DisplayError>((diffuse, y))
-        });
-        Ok(Self { first, diffuse: diffuse.transpose()?, once, orders, meetings, part })
+        Ok(Self { first, once, orders, meetings, part, figures })
     }
 }
 
@@ -109,7 +104,7 @@ fn meetings(
     source: &Source,
     first: &LobeResponse,
     (weights, most): (&[f64], f64),
-) -> Option<Meetings> {
+) -> Option<(Meetings, FigureLight)> {
     let Top::Diffuser(diffuser) = &lit.panel.top else { return None };
     let brightest = first.brightest()?;
     let (front, total) = (&lit.panel.front.reflectance_below, weights.iter().sum::<f64>());
@@ -129,24 +124,16 @@ fn meetings(
         Level { is_fine, .. } => (1.0, u64::from(!is_fine)),
     };
     let points = Points { count: (part * count) as usize, stream, returned: 1.0 - 1.0 / most };
-    Some(Meetings::new(&way, &points, lit.panel.base.states(), |beta, rho| brightest.reflectance(beta, rho)))
+    let found =
+        Meetings::new(&way, &points, lit.panel.base.states(), |beta, rho| brightest.reflectance(beta, rho));
+    Some((found, FigureLight::new(&way, points, lit.panel, weights)))
 }
 
 impl Returned {
-    /// Light of a figure on a page. `change`: change of the first order's light, given one response; `own`:
-    /// fraction of what returns that comes from the figure itself.
-    fn figure(&self, [figure, page]: [usize; 2], change: impl Fn(&LobeResponse) -> f64, own: f64) -> f64 {
-        let first = self.once[page] + change(&self.first);
-        let (last, y) = match &self.diffuse {
-            Some((diffuse, y)) => (y[page] + change(diffuse), y),
-            None => (first, &self.once),
-        };
-        // Light that returned before its last meeting, relative to light that meets the pixel once from the
-        // same directions.
-        let [figure, page] = [figure, page].map(|state| {
-            if y[state] > 0.0 { self.once[state] * (self.orders[state] - 1.0) / y[state] } else { 0.0 }
-        });
-        first + last * (page + own * (figure - page))
+    /// Light of two states that meets them more than once, and that of their pages.
+    fn figures(&self, states: [usize; 2]) -> Option<(Arc<Figures>, [f64; 2])> {
+        let figures = self.figures.as_ref()?.of(states);
+        Some((figures, states.map(|state| self.returned(state))))
     }
 
     /// Y of what returns to a page of a state.
@@ -246,42 +233,28 @@ impl Response for Returned {
     }
 
     fn line(&self, [line, page]: [usize; 2], axis: usize, width_mm: f64, _: Level) -> Option<f64> {
-        let edges = [-0.5 * width_mm, 0.5 * width_mm];
-        let change = |seen: &LobeResponse| {
-            let light = seen.strips(axis, &edges);
-            light[line][1] - light[page][1]
-        };
-        Some(self.figure([line, page], change, self.own_of_line(line, (axis, width_mm), 0.0)))
+        let strips = self.first.strips(axis, &[-0.5 * width_mm, 0.5 * width_mm]);
+        let first = self.once[page] + strips[line][1] - strips[page][1];
+        let is_line = |place: [f64; 2]| place[axis].abs() < 0.5 * width_mm;
+        let further = self.figures([line, page]);
+        Some(first + further.map_or(0.0, |(figures, exact)| figures.at_place(exact, |at| !is_line(at))))
     }
 
-    fn pattern_mean(&self, pattern: Pattern, level: Level) -> Option<f64> {
-        let Pattern { kind, period_mm, states: [on, off] } = pattern;
-        let own = self.own_of_pattern(on, kind, period_mm);
-        let half = |state: usize, other: usize| {
-            let [one, other] = [self.orders[state], self.orders[other]];
-            let mixed = if level.is_fine { 2.0 / (1.0 / one + 1.0 / other) } else { 0.5 * (one + other) };
-            0.5 * self.once[state] * (mixed + own * (one - mixed))
-        };
-        Some(half(on, off) + half(off, on))
+    fn pattern_mean(&self, pattern: Pattern, _: Level) -> Option<f64> {
+        let Pattern { kind, period_mm, states } = pattern;
+        let first: f64 = states.iter().map(|state| 0.5 * self.once[*state]).sum();
+        let further = self.figures(states);
+        Some(first + further.map_or(0.0, |(figures, exact)| figures.of_pattern(exact, kind, period_mm)))
     }
 
     fn text(&self, text: &Text<'_>, [black, white]: [usize; 2], _: Level) -> Option<Vec<f64>> {
-        let edges = [text.edges(0), text.edges(1)];
-        let over_black = |seen: &LobeResponse| -> Vec<f64> {
-            let cells = seen.cells(&edges[0], &edges[1]);
-            let [more, less] = [black, white].map(|state| text.over_black(&cells[state]));
-            more.iter().zip(less).map(|(more, less)| more - less).collect()
-        };
-        let own = self.own_of_text(black, text);
-        let (first, diffuse) = (over_black(&self.first), self.diffuse.as_ref().map(|one| over_black(&one.0)));
-        let stroke = |(stroke, own): (usize, &f64)| {
-            let change = |seen: &LobeResponse| match &diffuse {
-                Some(diffuse) if !std::ptr::eq(seen, &self.first) => diffuse[stroke],
-                _ => first[stroke],
-            };
-            self.figure([black, white], change, *own)
-        };
-        Some(own.iter().enumerate().map(stroke).collect())
+        let cells = self.first.cells(&text.edges(0), &text.edges(1));
+        let [more, less] = [black, white].map(|state| text.over_black(&cells[state]));
+        let first = more.iter().zip(less).map(|(more, less)| self.once[white] + more - less);
+        let further = self.figures([black, white]);
+        let further = further
+            .map_or_else(|| vec![0.0; text.middles.len()], |(figures, exact)| figures.of_text(exact, text));
+        Some(first.zip(further).map(|(first, further)| first + further).collect())
     }
 
     fn images(&self) -> Vec<[f64; 2]> {

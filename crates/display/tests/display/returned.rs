@@ -18,6 +18,11 @@ struct Case {
 
 impl Case {
     fn view(&self, solver: &str) -> (Vec<f64>, MtfView) {
+        self.view_of([0.8, 0.05], "", solver)
+    }
+
+    /// With these reflectances of white and black, and more tables.
+    fn view_of(&self, [white, black]: [f64; 2], tables: &str, solver: &str) -> (Vec<f64>, MtfView) {
         let Self { front: [reflectance, gap_mm], width, view_deg, diffuse } = self;
         let lamp = match diffuse {
             1.0 => String::new(),
@@ -27,9 +32,10 @@ impl Case {
             "[[display.front]]\nreflectance = {reflectance}\ngap_mm = {gap_mm}\n[display.diffuser]\nmodel = \"k-correlation\"\n\
              width = {width}\ntransmittance = 0.95\n[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n\
              [display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\n\
-             reflectance = {{ white = 0.8, black = 0.05 }}\n[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\n\
+             reflectance = {{ white = {white}, black = {black}, grey = {} }}\n{tables}[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\n\
              diffuse = {diffuse}\n{lamp}[viewer]\ntheta_deg = {view_deg}\nfield_deg = 0\n[spectrum]\nrange_nm = [540, 560]\n\
-             step_nm = 20\n[solver]\n{solver}\n"
+             step_nm = 20\n[solver]\n{solver}\n",
+            0.5 * (white + black)
         );
         let resolved =
             Scenario::from_text(&text, "returned.toml", Path::new("."), &[]).unwrap().resolve().unwrap();
@@ -112,5 +118,76 @@ fn radii_and_edges_do_not_depend_on_how_far_light_goes() {
     for ((value, stated), (found, error)) in read(exact).into_iter().zip(read(paths)) {
         assert!((value - found).abs() < 4.5 * stated.hypot(error), "{value} +- {stated}, {found} +- {error}");
         assert!(error < 0.05 * found, "{found} +- {error}");
+    }
+}
+
+/// A matrix, a narrow and a wide pattern of each kind.
+const FIGURES: &str = "[display.matrix]\nppi = 300\n[pattern]\nperiod_mm = [0.15, 1.5]\ntext = \"ab\"\n";
+
+/// Numbers of figures with their errors.
+fn figures(view: &MtfView) -> Vec<(String, f64, f64)> {
+    let lines = view.line_contrast.named().zip(view.line_contrast_error.named());
+    let mut all: Vec<_> =
+        lines.map(|((name, value), (_, error))| (name.to_owned(), value.unwrap(), error.unwrap())).collect();
+    let text = [view.text_contrast_min, view.text_contrast_median];
+    for (name, (value, error)) in
+        ["least", "median"].into_iter().zip(text.into_iter().zip(view.text_contrast_error.unwrap()))
+    {
+        all.push((format!("text {name}"), value.unwrap(), error));
+    }
+    for pattern in &view.patterns {
+        let name = format!("{:?} {}", pattern.kind, pattern.period_mm);
+        all.push((name, pattern.mean_Y_via_pixel, pattern.error));
+    }
+    all
+}
+
+/// Figures of one reflectance are pages: light of all orders, as a run has it.
+#[test]
+fn figures_of_equal_states_are_pages() {
+    let case = Case { front: [0.5, 0.2], width: 0.08, view_deg: 20.0, diffuse: 0.5 };
+    let (_, view) = case.view_of([0.8, 0.8], FIGURES, "relative_error = 1e-1");
+    let page = white(&view).Y_via_pixel;
+    for (name, value, _) in figures(&view) {
+        let expected = if name.starts_with("Stripes") || name.starts_with("Checker") { page } else { 0.0 };
+        assert!((value - expected).abs() < 1e-9, "{name}: {value} {expected}");
+    }
+}
+
+/// At each meeting with a pattern that is much finer than all ways, light meets both halves equally often, whatever it met before: the page
+/// of the mean reflectance.
+#[test]
+fn fine_patterns_are_pages_of_their_mean_reflectance() {
+    let case = Case { front: [0.6, 0.2], width: 0.08, view_deg: 20.0, diffuse: 0.5 };
+    let tables = "[display.matrix]\nppi = 300\n[pattern]\nperiod_mm = [1e-4]\n";
+    let (_, view) = case.view_of([0.9, 0.1], tables, "relative_error = 1e-1");
+    let page = view.states.get("grey").unwrap().Y_via_pixel;
+    let halves = 0.5 * (white(&view).Y_via_pixel + view.states.get("black").unwrap().Y_via_pixel);
+    for pattern in &view.patterns {
+        let off = (pattern.mean_Y_via_pixel - page).abs();
+        assert!(off < pattern.error + 2e-4 && off < 0.1 * (halves - page), "{pattern:?} {page} {halves}");
+    }
+    // The exponent of Yule and Nielsen has the same mean.
+    let n = view.yule_nielsen_n.unwrap();
+    let [white, black] =
+        ["white", "black"].map(|name| view.states.get(name).unwrap().Y_via_pixel.powf(1.0 / n));
+    assert!(((0.5 * (white + black)).powf(n) - page).abs() < 5e-4, "{n}");
+}
+
+/// Lines, text and patterns by paths: light that meets the figure and its page in turn.
+#[test]
+fn figures_in_returned_light_are_those_of_paths() {
+    let case = Case { front: [0.6, 0.05], width: 0.12, view_deg: 10.0, diffuse: 0.5 };
+    let view = |solver: &str| case.view_of([0.9, 0.05], FIGURES, solver).1;
+    let [exact, paths] = [view("relative_error = 2e-2"), view("method = \"monte-carlo\"\npaths = 4096")]
+        .map(|view| figures(&view));
+    for ((name, value, stated), (_, found, error)) in exact.into_iter().zip(paths) {
+        // The least contrast by paths is low by about its error.
+        let of_least = if name == "text least" { error } else { 0.0 };
+        assert!(
+            (value - found).abs() < 3.0 * stated.hypot(error) + of_least,
+            "{name}: {value} +- {stated}, {found} +- {error}"
+        );
+        assert!(stated < 5e-3, "{name}: {value} +- {stated}");
     }
 }
