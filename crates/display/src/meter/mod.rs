@@ -224,12 +224,13 @@ impl<'a> Meter<'a> {
     }
 
     /// Estimates the errors of X, Y and Z of a state because lights and reflectances are known only at the wavelengths of
-    /// the grid: the differences from those in the lights at every nanometre, with what changes within a step; `None` if the step is 1 nm or less.
+    /// the grid: the differences from those in the lights at every nanometre, and what reflectances change within a step; `None` if the step is
+    /// 1 nm or less.
     fn interpolation_error(&self, state: usize, sample: &Sample) -> Option<[f64; 3]> {
         let at_every_nm = <[f64; 3]>::try_from(&sample.0[self.layout.every_nm(state)]).ok()?;
         let on_grid = over(self.xyz(state, sample), self.white_xyz.y).to_array();
         let within = self.setup.scene.unresolved.get(state).copied().unwrap_or_default();
-        Some(std::array::from_fn(|k| (at_every_nm[k] - on_grid[k]).abs().max(within[k])))
+        Some(std::array::from_fn(|k| (at_every_nm[k] - on_grid[k]).abs() + within[k]))
     }
 
     /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the

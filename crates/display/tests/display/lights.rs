@@ -58,6 +58,29 @@ fn run_in(text: &str, folder: &Path) -> RunResult {
     crate::common::run(&scenario.resolve().unwrap().scene).unwrap()
 }
 
+/// What reflectances change within a step of the grid adds to the error by the light between its wavelengths.
+#[test]
+fn errors_by_the_step_add_up() {
+    let mut scene = crate::common::scenario("indoor", &["spectrum.step_nm=20"]).unwrap().scene;
+    let errors = |scene: &papilio_display::scene::Scene| {
+        let result = crate::common::run(scene).unwrap();
+        let of = |(name, state): (&str, &papilio_display::result::State)| {
+            let error = state.interpolation_error.unwrap();
+            (name.to_owned(), [error.X, error.Y, error.Z])
+        };
+        result.views[0].states.iter().map(of).collect::<Vec<_>>()
+    };
+    let of_light = errors(&scene);
+    let within = [1e-3, 2e-3, 3e-3];
+    scene.unresolved = vec![within; of_light.len()];
+    for ((name, both), (_, light)) in errors(&scene).into_iter().zip(of_light) {
+        for k in 0..3 {
+            let expected = light[k] + within[k];
+            assert!(light[k] > 1e-6 && (both[k] - expected).abs() < 1e-15, "{name} {k}: {both:?} {light:?}");
+        }
+    }
+}
+
 #[test]
 fn lambertian_display_has_its_reflectance_under_every_light() {
     let diffuse = "model = \"cap\"\nshare = 1";
