@@ -4,6 +4,10 @@
 //! of the frequency f goes to the regular direction plus λ f. Light comes from all azimuths, so that only |f|
 //! matters. A family of inclinations, wavelengths and ways has as many q: all are computed if the screen is
 //! small, else a number of them, and cubics in ln q lie between. The regular part is exact for all.
+//!
+//! **Orders** of a surface that repeats have exact directions. Those of a random one stand for the light of a
+//! face without a period: each for that of its cell of frequencies, 1/period wide, and a part of the cell is
+//! haze ([`Orders`]).
 
 use num_complex::Complex64;
 use papilio_fourier::Plane;
@@ -45,6 +49,91 @@ pub(crate) struct ScreenRings {
     powers: Vec<Vec<f64>>,
     /// Heights with their fractions of the face.
     heights: Vec<[f64; 2]>,
+    lattice: Lattice,
+    /// Number of each circle.
+    number: Vec<u32>,
+    orders: Orders,
+}
+
+/// What an order of a screen stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Orders {
+    /// Light in exactly its direction.
+    Exact,
+    /// Light of all directions of its cell.
+    Cells,
+}
+
+impl Orders {
+    /// Fraction of the light of an order, at a frequency, that is beyond a radius from the regular direction.
+    /// Cells have these sides.
+    pub(crate) fn beyond(self, frequency: [f64; 2], sides: [f64; 2], radius: f64) -> f64 {
+        let length = frequency[0].hypot(frequency[1]);
+        if self == Self::Exact || (length - radius).abs() >= 0.5 * sides[0].hypot(sides[1]) {
+            return f64::from(u8::from(length > radius));
+        }
+        let edges = [0, 1].map(|k| [frequency[k] - 0.5 * sides[k], frequency[k] + 0.5 * sides[k]]);
+        let corner = |x: usize, y: usize| area_to_corner([edges[0][x], edges[1][y]], radius);
+        let within = corner(1, 1) - corner(0, 1) - corner(1, 0) + corner(0, 0);
+        1.0 - (within / (sides[0] * sides[1])).clamp(0.0, 1.0)
+    }
+}
+
+/// Area of the part of a disc about the origin that lies in the rectangle from the origin to a corner; with the
+/// sign of the product of its coordinates.
+fn area_to_corner([x, y]: [f64; 2], radius: f64) -> f64 {
+    let sign = x.signum() * y.signum();
+    let [x, y] = [x, y].map(|one| one.abs().min(radius));
+    // Up to here the side of the rectangle bounds the area, beyond it the circle.
+    let flat = (radius * radius - y * y).max(0.0).sqrt().min(x);
+    let below_circle = |u: f64| {
+        let up = (radius * radius - u * u).max(0.0).sqrt();
+        0.5 * (u * up + radius * radius * (u / radius).asin())
+    };
+    sign * (y * flat + below_circle(x) - below_circle(flat))
+}
+
+/// The orders of a map: frequencies on a lattice, per um.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lattice {
+    counts: [usize; 2],
+    /// Distance of the frequencies along x and y.
+    pub(crate) per_order: [f64; 2],
+}
+
+impl Lattice {
+    pub(crate) fn new(map: &HeightMap) -> Self {
+        let counts = [map.columns(), map.rows()];
+        let pitch = map.pitch_um();
+        Self { counts, per_order: [0, 1].map(|k| 1.0 / (counts[k] as f64 * pitch[k])) }
+    }
+
+    /// Frequency of an order of the transform, along x and y.
+    pub(crate) fn frequency(&self, at: usize) -> [f64; 2] {
+        let order = |k: usize, count: usize| if 2 * k > count { k as f64 - count as f64 } else { k as f64 };
+        let orders = [order(at / self.counts[1], self.counts[0]), order(at % self.counts[1], self.counts[1])];
+        [0, 1].map(|k| self.per_order[k] * orders[k])
+    }
+
+    /// Calls `visit` with the frequency of each order, but the regular one, in a square of this half side.
+    fn within(&self, half: f64, visit: &mut dyn FnMut([f64; 2])) {
+        let range = |k: usize| {
+            let most = (half / self.per_order[k]).floor() as i64;
+            let count = self.counts[k] as i64;
+            -most.min((count - 1) / 2)..=most.min(count / 2)
+        };
+        for x in range(0) {
+            for y in range(1).filter(|y| (x, *y) != (0, 0)) {
+                visit([x as f64 * self.per_order[0], y as f64 * self.per_order[1]]);
+            }
+        }
+    }
+
+    /// Circle of a frequency, with [`FINENESS`].
+    fn circle(&self, frequency: [f64; 2]) -> usize {
+        let step = self.per_order[0].min(self.per_order[1]) / FINENESS;
+        (frequency[0].hypot(frequency[1]) / step).round() as usize
+    }
 }
 
 impl ScreenRings {
@@ -52,7 +141,7 @@ impl ScreenRings {
     /// [`Goniometer::replicate`](crate::Goniometer::replicate): `None` if it stopped.
     pub(crate) fn new(
         map: &HeightMap,
-        plane: &Plane,
+        (plane, orders): (&Plane, Orders),
         phases: &[f64],
         stop: &dyn Fn() -> bool,
     ) -> Option<Self> {
@@ -65,7 +154,8 @@ impl ScreenRings {
             }
             powers.push(circles.powers(map, plane, *per_um));
         }
-        Some(Self { phases, frequencies: circles.frequencies, powers, heights: classes(map) })
+        let Circles { frequencies, lattice, number, .. } = circles;
+        Some(Self { phases, frequencies, powers, heights: classes(map), lattice, number, orders })
     }
 
     /// What the screen does with the light of a way.
@@ -75,18 +165,42 @@ impl ScreenRings {
         let mut seen = [if way.beta <= way.seen() { regular } else { 0.0 }, 0.0];
         let (mut all, mut propagates) = (regular, regular);
         let weights = self.weights(per_um);
+        let beyond = self.beyond(haze_beta() / wavelength_um);
         for (circle, frequency) in self.frequencies.iter().enumerate() {
             let power: f64 = weights.iter().map(|(node, weight)| weight * self.powers[*node][circle]).sum();
             let distance = wavelength_um * frequency;
             all += power;
             propagates += power * inside(distance, way.beta, way.disc());
-            seen[usize::from(distance > haze_beta())] += power * inside(distance, way.beta, way.seen());
+            let visible = power * inside(distance, way.beta, way.seen());
+            seen[0] += visible * (1.0 - beyond[circle]);
+            seen[1] += visible * beyond[circle];
         }
         ScreenShares {
             regular: regular / all,
             haze: seen[1] / (seen[0] + seen[1]),
             evanescent: 1.0 - propagates / all,
         }
+    }
+
+    /// Fraction of the light of each circle that is beyond a frequency: the mean over its orders.
+    fn beyond(&self, radius: f64) -> Vec<f64> {
+        let mut beyond: Vec<f64> =
+            self.frequencies.iter().map(|frequency| f64::from(u8::from(*frequency > radius))).collect();
+        if self.orders == Orders::Cells {
+            let sides = self.lattice.per_order;
+            let reach = 0.5 * sides[0].hypot(sides[1]);
+            let mut sums = vec![[0.0; 2]; beyond.len()];
+            self.lattice.within(radius + reach, &mut |frequency| {
+                let sum = &mut sums[self.number[self.lattice.circle(frequency)] as usize];
+                *sum = [sum[0] + self.orders.beyond(frequency, sides, radius), sum[1] + 1.0];
+            });
+            // A circle at the end of the square may have other orders, which are all beyond.
+            let near = |circle: &usize| self.frequencies[*circle] < radius + reach;
+            for circle in (0..beyond.len()).filter(near).filter(|circle| sums[*circle][1] > 0.0) {
+                beyond[circle] = sums[circle][0] / sums[circle][1];
+            }
+        }
+        beyond
     }
 
     /// Fraction of the light in the regular direction.
@@ -156,30 +270,26 @@ fn classes(map: &HeightMap) -> Vec<[f64; 2]> {
 
 /// Orders of a map by the length of their frequency.
 struct Circles {
-    /// Mean frequency of each circle, per um.
+    lattice: Lattice,
+    /// Mean frequency of each circle with orders, per um.
     frequencies: Vec<f64>,
+    /// Their number by the circle.
+    number: Vec<u32>,
     /// Circle of each order; that of the regular direction is none.
     of_order: Vec<u32>,
 }
 
 impl Circles {
     fn new(map: &HeightMap) -> Self {
-        let counts = [map.columns(), map.rows()];
-        let pitch = map.pitch_um();
-        let per_order = [0, 1].map(|k| 1.0 / (counts[k] as f64 * pitch[k]));
-        let step = per_order[0].min(per_order[1]) / FINENESS;
-        let order = |k: usize, count: usize| if 2 * k > count { k as f64 - count as f64 } else { k as f64 };
-        let frequency = |at: usize| {
-            let [x, y] = [order(at / counts[1], counts[0]), order(at % counts[1], counts[1])];
-            (per_order[0] * x).hypot(per_order[1] * y)
-        };
-        let circle = |frequency: f64| (frequency / step).round() as usize;
-        let all = counts[0] * counts[1];
-        let largest = (0..all).map(frequency).fold(0.0, f64::max);
-        let mut sums = vec![[0.0; 2]; circle(largest) + 1];
+        let lattice = Lattice::new(map);
+        let all = map.heights_um().len();
+        let circle = |at: usize| lattice.circle(lattice.frequency(at));
+        let largest = (0..all).map(circle).max().unwrap_or(0);
+        let mut sums = vec![[0.0; 2]; largest + 1];
         for at in 1..all {
-            let sum = &mut sums[circle(frequency(at))];
-            *sum = [sum[0] + frequency(at), sum[1] + 1.0];
+            let [x, y] = lattice.frequency(at);
+            let sum = &mut sums[circle(at)];
+            *sum = [sum[0] + x.hypot(y), sum[1] + 1.0];
         }
         // Circles without orders are left out.
         let mut number = vec![0; sums.len()];
@@ -188,8 +298,8 @@ impl Circles {
             number[at] = frequencies.len() as u32;
             frequencies.push(sum / count);
         }
-        let of_order = (1..all).map(|at| number[circle(frequency(at))]).collect();
-        Self { frequencies, of_order }
+        let of_order = (1..all).map(|at| number[circle(at)]).collect();
+        Self { lattice, frequencies, number, of_order }
     }
 
     /// Power of each circle behind a screen.

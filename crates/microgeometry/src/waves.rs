@@ -20,7 +20,7 @@ use papilio_fourier::Plane;
 
 use crate::goniometer::{Measured, haze_beta};
 use crate::harvey_shack::{HarveyShack, Lobes};
-use crate::screen_rings::{ScreenRings, ScreenShares};
+use crate::screen_rings::{Lattice, Orders, ScreenRings, ScreenShares};
 use crate::wave_way::Way;
 use crate::{HeightMap, MicrogeometryError, Side, Surface};
 
@@ -218,7 +218,9 @@ impl Waves {
         let plane = Plane::new([map.columns(), map.rows()]);
         let rows = self.rows();
         let phases: Vec<f64> = rows.iter().flat_map(|row| self.phases(row)).collect();
-        let rings = ScreenRings::new(&map, &plane, &phases, stop).ok_or(MicrogeometryError::Interrupted)?;
+        let orders = if surface.is_random() { Orders::Cells } else { Orders::Exact };
+        let rings = ScreenRings::new(&map, (&plane, orders), &phases, stop);
+        let rings = rings.ok_or(MicrogeometryError::Interrupted)?;
         let share = |row: &Row| {
             let (from, theta_deg, nm) = *row;
             let um = 1e-3 * nm;
@@ -226,11 +228,12 @@ impl Waves {
             let reflected = rings.of(&reflected, um);
             let transmitted = transmitted.map_or(ScreenShares::default(), |way| {
                 let found = rings.of(&way, um);
-                if theta_deg != 0.0 || from != Side::Above {
+                if theta_deg != 0.0 {
                     return found;
                 }
-                // Along the normal, orders and not circles are counted.
-                let [regular, haze] = shares(&map, &plane, way.regular_per_um(um), um, haze_beta());
+                // Along the normal, orders and not circles are counted, from both sides.
+                let per_um = way.regular_per_um(um);
+                let [regular, haze] = shares(&map, (&plane, orders), per_um, um, haze_beta());
                 ScreenShares { regular, haze, ..found }
             });
             let of = |one: ScreenShares| [one.regular, one.haze, one.evanescent];
@@ -296,26 +299,26 @@ impl Waves {
 /// fraction beyond a |beta|.
 pub(crate) fn shares(
     map: &HeightMap,
-    plane: &Plane,
+    (plane, stands_for): (&Plane, Orders),
     per_um: f64,
     wavelength_um: f64,
     beyond: f64,
 ) -> [f64; 2] {
     let field = map.heights_um().iter().map(|height| Complex64::cis(per_um * height)).collect();
     let orders = plane.forward(field);
-    let [columns, rows] = [map.columns(), map.rows()];
-    let pitch = map.pitch_um();
-    let beta = |k: usize, count: usize, pitch: f64| {
-        let order = if 2 * k > count { k as f64 - count as f64 } else { k as f64 };
-        wavelength_um * order / (count as f64 * pitch)
-    };
+    let lattice = Lattice::new(map);
     let (mut all, mut in_air, mut far) = (0.0, 0.0, 0.0);
     for (at, amplitude) in orders.iter().enumerate() {
-        let [x, y] = [beta(at / rows, columns, pitch[0]), beta(at % rows, rows, pitch[1])];
-        let (power, square) = (amplitude.norm_sqr(), x * x + y * y);
+        let [x, y] = lattice.frequency(at);
+        let (power, exists) = (amplitude.norm_sqr(), wavelength_um * x.hypot(y) <= 1.0);
         all += power;
-        in_air += if square <= 1.0 { power } else { 0.0 };
-        far += if square <= 1.0 && square > beyond * beyond { power } else { 0.0 };
+        if exists {
+            in_air += power;
+            // The regular direction is one, whatever the orders about it.
+            let is_regular = at == 0;
+            let is_far = stands_for.beyond([x, y], lattice.per_order, beyond / wavelength_um);
+            far += if is_regular { 0.0 } else { power * is_far };
+        }
     }
     [orders.first().map_or(0.0, |order| order.norm_sqr()) / all, far / in_air]
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_fourier::Plane;
 
 use crate::harvey_shack::Lobes;
-use crate::screen_rings::ScreenRings;
+use crate::screen_rings::{Orders, ScreenRings};
 use crate::wave_way::{Way, first_inside, inside};
 use crate::waves::Waves;
 use crate::*;
@@ -74,7 +74,7 @@ fn oblique_gratings_have_their_orders() {
     let plane = Plane::new([128, 1]);
     let all = ways(&[30.0, 60.0]);
     let phases: Vec<f64> = all.iter().map(|way| way.regular_per_um(um)).collect();
-    let rings = ScreenRings::new(&map, &plane, &phases, &|| false).unwrap();
+    let rings = ScreenRings::new(&map, (&plane, Orders::Exact), &phases, &|| false).unwrap();
     let mut evanescent = 0;
     for way in all {
         let phase = way.regular_per_um(um) * amplitude_um;
@@ -102,7 +102,7 @@ fn flat_screens_scatter_nothing() {
     let map = HeightMap::new(4, [1.0; 2], vec![0.0; 16]).unwrap();
     let all = ways(&[0.0, 50.0]);
     let phases: Vec<f64> = all.iter().map(|way| way.regular_per_um(0.55)).collect();
-    let rings = ScreenRings::new(&map, &Plane::new([4; 2]), &phases, &|| false).unwrap();
+    let rings = ScreenRings::new(&map, (&Plane::new([4; 2]), Orders::Exact), &phases, &|| false).unwrap();
     for way in all {
         let found = rings.of(&way, 0.55);
         assert!((found.regular - 1.0).abs() < 1e-12 && found.evanescent.abs() < 1e-12, "{found:?}");
@@ -247,13 +247,80 @@ fn powers_between_phases_are_interpolated() {
     let plane = Plane::new([map.columns(), map.rows()]);
     let phase = |k: u32| 2.0 * 1.2_f64.powf(f64::from(k));
     let nodes: Vec<f64> = (0..16).map(phase).collect();
-    let rings = ScreenRings::new(&map, &plane, &nodes, &|| false).unwrap();
+    let rings = ScreenRings::new(&map, (&plane, Orders::Cells), &nodes, &|| false).unwrap();
     for way in ways(&[20.0, 50.0]) {
         let um = 0.55;
-        let exact = ScreenRings::new(&map, &plane, &[way.regular_per_um(um)], &|| false).unwrap();
+        let exact =
+            ScreenRings::new(&map, (&plane, Orders::Cells), &[way.regular_per_um(um)], &|| false).unwrap();
         let [found, expected] = [&rings, &exact].map(|rings| rings.of(&way, um));
         assert!((found.regular - expected.regular).abs() < 1e-4, "{found:?} {expected:?}");
         assert!((found.haze - expected.haze).abs() < 2e-3, "{found:?} {expected:?}");
         assert!((found.evanescent - expected.evanescent).abs() < 2e-3, "{found:?} {expected:?}");
+    }
+}
+
+/// The part of a cell beyond a circle, by counting points.
+#[test]
+fn cells_are_beyond_circles_as_far_as_points_are() {
+    let mut dice = papilio_testing::Dice::new(0xce11, 0);
+    let mut cut = 0;
+    for _ in 0..300 {
+        let centre = [dice.between(-2.0, 2.0), dice.between(-2.0, 2.0)];
+        let sides = [dice.between(0.1, 2.0), dice.between(0.1, 2.0)];
+        let radius = dice.between(0.2, 2.5);
+        let points = 100;
+        let place =
+            |k: usize, at: i32| centre[k] + sides[k] * ((f64::from(at) + 0.5) / f64::from(points) - 0.5);
+        let is_far = |(x, y): &(i32, i32)| place(0, *x).hypot(place(1, *y)) > radius;
+        let all = (0..points).flat_map(|x| (0..points).map(move |y| (x, y)));
+        let counted = all.filter(is_far).count() as f64 / f64::from(points * points);
+        let found = Orders::Cells.beyond(centre, sides, radius);
+        assert!((found - counted).abs() < 4e-3, "{centre:?} {sides:?} {radius}: {found} {counted}");
+        cut += u32::from(counted > 0.05 && counted < 0.95);
+    }
+    assert!(cut > 50, "{cut} cells are cut");
+}
+
+/// Haze of a random face changes steadily with the wavelength, where the orders of its short period move past
+/// 2.5 deg in groups of four and eight. The judge is the series for a face without a period, whose slope it
+/// has; the level is that of a few realisations.
+#[test]
+fn haze_of_random_faces_has_no_steps_where_orders_pass_the_angle() {
+    let spectrum = Spectrum::Gaussian { rms_um: 0.08, correlation_um: 3.0 };
+    let surface = Surface::Random(RandomHeights::new(spectrum.clone(), 5).unwrap());
+    let period_um = surface.heights(0).unwrap().period_um()[0];
+    // The twelve orders as far as (5, 0), and the eight as far as (5, 1), pass 2.5 deg at these wavelengths.
+    let passes = |square: f64| 1e3 * 2.5_f64.to_radians().sin() * period_um / square.sqrt();
+    let wavelengths_nm: Vec<f64> =
+        [25.0, 26.0].into_iter().flat_map(|square| [passes(square) - 1.0, passes(square) + 1.0]).collect();
+    assert!(wavelengths_nm.iter().all(|nm| (400.0..700.0).contains(nm)), "{period_um}");
+    let waves =
+        Waves { index: INDEX, incidence_deg: vec![0.0, 20.0], wavelengths_nm: wavelengths_nm.clone() };
+    let screens: Vec<_> = (0..Waves::screens(&surface))
+        .map(|number| waves.screen(&surface, number, &|| false).unwrap())
+        .collect();
+    let found = waves.combined(&surface, &screens);
+    for (from, theta_deg) in
+        [(Side::Above, 0.0), (Side::Below, 0.0), (Side::Above, 20.0), (Side::Below, 20.0)]
+    {
+        let of = |nm: f64| {
+            let is =
+                |one: &&WaveShares| (one.from, one.theta_deg, one.wavelength_nm) == (from, theta_deg, nm);
+            let shares = found.shares.iter().find(is).unwrap().transmitted.unwrap();
+            [shares.haze.value, shares.closed_form.unwrap().one_angle_haze]
+        };
+        for pair in wavelengths_nm.chunks(2) {
+            let [before, after] = [of(pair[0]), of(pair[1])];
+            let [step, expected] = [0, 1].map(|k| after[k] - before[k]);
+            assert!((step - expected).abs() < 2e-3, "{from:?} {theta_deg} {pair:?}: {step} {expected}");
+        }
+    }
+    // From both sides, light along the normal meets the same screen.
+    for nm in wavelengths_nm {
+        let of = |from: Side| {
+            let is = |one: &&WaveShares| (one.from, one.theta_deg, one.wavelength_nm) == (from, 0.0, nm);
+            found.shares.iter().find(is).unwrap().transmitted.unwrap()
+        };
+        assert_eq!(of(Side::Above).haze, of(Side::Below).haze);
     }
 }
