@@ -158,6 +158,7 @@ impl Model {
             });
             series += 1;
         }
+        model.remove_copies();
         match model.observations.iter().find(|one| !one.has_weight()) {
             Some(one) => {
                 let (deviation, value) = (one.standard_deviation.unwrap_or_default(), one.value);
@@ -169,6 +170,49 @@ impl Model {
                 Err(DesignError::Fit { reason })
             }
             None => Ok(model),
+        }
+    }
+
+    /// Removes series all of whose numbers another one has, too: a table that is listed twice, or a part of it. Equal readings have
+    /// the same errors, so that they count once; a standard deviation that only one of them states holds for both.
+    fn remove_copies(&mut self) {
+        let mut series: Vec<Vec<Observation>> = Vec::new();
+        for one in std::mem::take(&mut self.observations) {
+            match series.last_mut().filter(|last| last[0].series == one.series) {
+                Some(last) => last.push(one),
+                None => series.push(vec![one]),
+            }
+        }
+        let mut kept: Vec<Vec<Observation>> = Vec::new();
+        let mut copies: Vec<String> = Vec::new();
+        for mut one in series {
+            let whole = kept.iter().position(|other| is_within(&one, other));
+            let part = kept.iter().position(|other| is_within(other, &one));
+            let Some(at) = whole.or(part) else {
+                kept.push(one);
+                continue;
+            };
+            if whole.is_none() {
+                std::mem::swap(&mut kept[at], &mut one);
+            }
+            let name = one[0].in_words_of_series();
+            copies.extend((!copies.contains(&name)).then_some(name));
+            for copied in &one {
+                let same = kept[at].iter_mut().filter(|other| other.is_same_reading_as(copied));
+                same.for_each(|other| {
+                    other.standard_deviation = other.standard_deviation.or(copied.standard_deviation);
+                });
+            }
+        }
+        let renumbered = |(number, all): (usize, Vec<Observation>)| {
+            all.into_iter().map(move |one| Observation { series: number, ..one })
+        };
+        self.observations = kept.into_iter().enumerate().flat_map(renumbered).collect();
+        if !copies.is_empty() {
+            self.notes.push(format!(
+                "measured more than once with the same numbers, which count once: {}",
+                copies.join(", ")
+            ));
         }
     }
 
@@ -359,6 +403,11 @@ impl Model {
     }
 }
 
+/// Whether a series has all numbers of another one.
+fn is_within(part: &[Observation], whole: &[Observation]) -> bool {
+    part.iter().all(|one| whole.iter().any(|other| one.is_same_reading_as(other)))
+}
+
 /// Smallest and largest standard deviation; the smallest also relative to the value.
 const LEAST_DEVIATION: f64 = 1e-12;
 const MOST_DEVIATION: f64 = 1e12;
@@ -377,6 +426,19 @@ impl Observation {
             Unit::Metric => format!("the metric `{}`", self.name),
             _ => format!("`{}` of `{}`{at}", self.quantity, self.name),
         }
+    }
+
+    /// What its series is: a state, with its direction, or a metric.
+    fn in_words_of_series(&self) -> String {
+        match self.unit() {
+            Unit::Metric => self.name.clone(),
+            _ => format!("{} at theta {} deg", self.name, self.theta_deg),
+        }
+    }
+
+    /// Whether both are the same number of the same quantity.
+    fn is_same_reading_as(&self, other: &Self) -> bool {
+        self.prediction == other.prediction && self.value == other.value
     }
 
     /// Kind of the number.

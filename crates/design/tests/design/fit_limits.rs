@@ -1,6 +1,7 @@
 //! Fits at the limits of the data: ends of spectra, variables that belong together, too few or useless numbers, priors.
 
 use papilio_colour::Xyz;
+use papilio_design::fit::FitReport;
 use papilio_display::compare::{Measured, MeasuredMetric, Measurement, Quantity, StandardDeviation};
 use papilio_display::scene::Metric;
 use papilio_spectra::Tabulated;
@@ -278,4 +279,39 @@ fn two_numbers_have_one_degree_of_freedom() {
     let [from, to] = one.interval_95.unwrap();
     let ratio = 0.5 * (to - from) / one.standard_error.unwrap();
     assert!((ratio / 12.706 - 1.0).abs() < 0.02, "{ratio} {one:?}");
+}
+
+/// A table that is listed twice counts once, as does a part of it, with the deviation of the one that states it: the fit is that of
+/// the table alone. A second measurement with other errors counts, and its intervals are shorter by the root of 2.
+#[test]
+fn copies_of_a_table_count_once() {
+    let truth = simulated(DISPLAY, &["display.pixel.gap_nm.one=184".to_owned()]);
+    let width = |found: &FitReport| {
+        let [from, to] = found.variables[0].interval_95.unwrap();
+        to - from
+    };
+    for is_stated in [true, false] {
+        let once = spectra(&truth, &["one", "black"], 5, is_stated);
+        let alone = fit(DISPLAY, &[GAP], &once);
+        let mut twice = once.clone();
+        twice.append(once.clone());
+        let mut part = once.states[0].clone();
+        let Quantity::Spectrum(spectrum) = &part.quantity else { panic!("a spectrum") };
+        let of = |all: &[f64]| all[4..20].to_vec();
+        let cut = Tabulated::new(of(spectrum.wavelengths_nm()), of(spectrum.values())).unwrap();
+        (part.quantity, part.standard_deviation) = (Quantity::Spectrum(cut), None);
+        twice.states.insert(0, part);
+        let found = fit(DISPLAY, &[GAP], &twice);
+        assert_eq!((&found.variables, found.bic), (&alone.variables, alone.bic));
+        assert_eq!((found.observations, found.residuals.last().unwrap().series), (62, 1));
+        let note = "with the same numbers, which count once: one at theta 8 deg, black at theta 8 deg";
+        assert!(found.notes.iter().any(|one| one.contains(note)), "{:?}", found.notes);
+        let mut independent = once.clone();
+        independent.append(spectra(&truth, &["one", "black"], 6, is_stated));
+        let found = fit(DISPLAY, &[GAP], &independent);
+        assert_eq!(found.observations, 124);
+        let ratio = width(&alone) / width(&found);
+        // Deviations from the residuals of 61 numbers have an error of 9 %.
+        assert!((ratio / 2_f64.sqrt() - 1.0).abs() < if is_stated { 0.02 } else { 0.25 }, "{ratio}");
+    }
 }

@@ -115,6 +115,26 @@ fn confidence_intervals_contain_truth_at_nominal_rate() {
     }
 }
 
+/// A table that is listed twice, and once more with the reciprocal reading of each, has the parameters and the intervals of the table:
+/// its errors are those of one reading.
+#[test]
+fn copies_and_reciprocal_readings_count_once() {
+    let model = Kind::Ggx.model(&truth(Kind::Ggx));
+    let numbers = SampleStream::new(Sampler::Random, 5, 0);
+    // Directions that are equal but for a rotation have values of their own.
+    let noisy = directions().into_iter().enumerate().map(|(k, [from, to])| {
+        ([from, to], model.value(from, to) * (1.0 + 0.1 * (numbers.block(k as u64, 0)[0] - 0.5)))
+    });
+    let table: Vec<([Beta; 2], f64)> = noisy.collect();
+    let reciprocal = table.iter().map(|([from, to], value)| ([-*to, -*from], *value));
+    let all = table.iter().copied().chain(table.iter().copied()).chain(reciprocal);
+    let [once, several] = [Data::new(table.iter().copied()), Data::new(all)];
+    assert_eq!(once.len(), several.len());
+    let [once, several] =
+        [once, several].map(|data| Fit::new(&data, Kind::Ggx, &FitOptions::default()).unwrap());
+    assert_eq!(once.parameters, several.parameters);
+}
+
 #[test]
 fn regular_transmission_is_separated_from_lobe() {
     for kind in Kind::ALL {
