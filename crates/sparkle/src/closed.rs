@@ -55,8 +55,8 @@ pub fn of_one_window(
 ///
 /// - `per_slope_mm`: the deflection per slope, mm, xx, xy, yy
 ///   ([`per_slope_mm`](super::Deflection::per_slope_mm)).
-/// - `blur_mm`: root mean square along x and along y of the places that a pupil sees, mm: half of the disc's
-///   radius.
+/// - `blur_mm`: root mean square along x and along y of the places that a pupil sees, mm
+///   ([`blur_mm`](super::Deflection::blur_mm)).
 ///
 /// `None` unless the plane of view is along x or y (`xy` is 0), and the mean of the matrix is above 0.
 pub fn pixel_power_deviation(

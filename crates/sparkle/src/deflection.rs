@@ -56,6 +56,15 @@ impl Deflection {
         self.place_per_beta_mm.map(|place| self.bend * place)
     }
 
+    /// Root mean square along x and along y of the places on the pixel plane that a pupil sees, mm: its image is a disc, whose mean
+    /// square along an axis is a quarter of the square of its radius, foreshortened along the plane of incidence.
+    pub fn blur_mm(&self, pupil: &Pupil) -> [f64; 2] {
+        let axes =
+            [[1.0, 0.0], [0.0, 1.0]].map(|point| foreshortened(self.beta, 0.5 * pupil.radius(), point));
+        let [along, across] = axes.map(|beta| self.shift(beta));
+        [0, 1].map(|axis| along[axis].hypot(across[axis]))
+    }
+
     /// Change of the place on the pixel plane for a change of the direction cosines in the air.
     pub(crate) fn shift(&self, beta: Beta) -> [f64; 2] {
         applied(self.place_per_beta_mm, [beta.x, beta.y])
@@ -170,6 +179,22 @@ mod tests {
         let (one, two) = (Deflection::new(&[GLASS], beta), Deflection::new(&halves, beta));
         for k in 0..3 {
             assert!((one.per_slope_mm()[k] - two.per_slope_mm()[k]).abs() < 1e-15);
+        }
+    }
+
+    /// The mean square of the places of directions that fill the pupil.
+    #[test]
+    fn blur_of_a_pupil_is_that_of_its_directions() {
+        let pupil = Pupil { diameter_mm: 8.0, distance_mm: 300.0 };
+        for beta in [Beta::default(), Beta::towards(60.0, 0.0, 1.0), Beta::towards(50.0, 130.0, 1.0)] {
+            let view = Deflection::new(&[GLASS], beta);
+            let places: Vec<[f64; 2]> =
+                directions(beta, pupil.radius(), 4).into_iter().map(|one| view.shift(one)).collect();
+            for (axis, blur) in view.blur_mm(&pupil).into_iter().enumerate() {
+                let square =
+                    places.iter().map(|place| place[axis].powi(2)).sum::<f64>() / places.len() as f64;
+                assert!((square.sqrt() / blur - 1.0).abs() < 1e-9, "{beta:?} {axis}: {square} {blur}");
+            }
         }
     }
 

@@ -290,9 +290,7 @@ fn row(
         (0..effort.replicates as u64).into_par_iter().map(one).collect::<Result<_, DisplayError>>()?;
     let found = plan.sparkle(&faces.iter().map(|light| Plan::moments(light)).collect::<Vec<_>>());
     let deflection = Deflection::new(&panel.media, panel.view);
-    // The image of the pupil on the pixels: a disc, whose mean square along an axis is a quarter of its radius squared.
-    let places = deflection.place_per_beta_mm;
-    let blur = [places[0], places[2]].map(|place| 0.5 * panel.pupil.radius() * place);
+    let blur = deflection.blur_mm(&panel.pupil);
     let duty = panel.matrix.mean();
     let ppd_closed_form = match panel.face {
         Face::Gaussian(face) => {
