@@ -316,7 +316,66 @@ fn mistakes_are_reported_with_their_place() {
             "name = \"gaps\"\nkey = \"a\"\nkeys",
             &["more than one of `key` and `keys` is given"],
         ),
-        ("gap_nm.green\"]", "gap_nm.red\"]", &["`display.pixel.gap_nm.red` has more than one distribution"]),
+        (
+            "gap_nm.green\"]",
+            "gap_nm.red\"]",
+            &[
+                "s.toml:28:37",
+                "`display.pixel.gap_nm.red` has more than one distribution",
+                "expected each key",
+            ],
+        ),
+        (
+            "film.0.material\"",
+            "film\"",
+            &[
+                "s.toml:32:7",
+                "`display.pixel.film` and `display.pixel.film.1.thickness_nm` set the same value",
+            ],
+        ),
+        (
+            "normal = { sigma = 0.3 }",
+            "triangular = { from = 11, to = 12, mode = 13 }",
+            &[
+                "s.toml:25:43",
+                "the mode, 13, is outside the range from 11 to 12",
+                "expected a number from 11 to 12",
+            ],
+        ),
+        (
+            "normal = { sigma = 0.3 }",
+            "triangular = { from = 11, to = 12 }",
+            &["s.toml:25:14", "the mode, the scenario's value, 12.15, is outside", "without `mode`"],
+        ),
+        (
+            "[\"gaps\", \"absorber\"]",
+            "[\"gaps\", \"gaps\"]",
+            &["s.toml:35:17", "`gaps` is in this list twice"],
+        ),
+        (
+            "coefficient = -0.5\n",
+            "coefficient = -0.5\n[[tolerance.correlations]]\nkeys = [\"absorber\", \"gaps\"]\ncoefficient = 0.4\n",
+            &[
+                "s.toml:39:15",
+                "the correlation of `absorber` and `gaps` is -0.5 above, and 0.4 here",
+                "expected one coefficient for each pair",
+            ],
+        ),
+        (
+            "coefficient = -0.5\n",
+            "coefficient = -0.9\n[[tolerance.correlations]]\nkeys = [\"gaps\", \"matching layer\"]\ncoefficient = 0.9\n\
+             [[tolerance.correlations]]\nkeys = [\"absorber\", \"matching layer\"]\ncoefficient = 0.9\n",
+            &["s.toml:40:1", "is not positive definite", "expected coefficients that fit", "help: "],
+        ),
+        (
+            "display.pixel]\nmodel",
+            "display.pixel]\ndefault_states = false\nstates = { white = { red = 1, green = 1, blue = 1 } }\nmodel",
+            &[
+                "s.toml:40:10",
+                "`contrast_ratio` is not defined: there is no state `black`",
+                "with `white`, `black`",
+            ],
+        ),
     ];
     for (from, to, words) in cases {
         assert!(SCENARIO.contains(from), "{from}");

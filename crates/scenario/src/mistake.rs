@@ -3,6 +3,7 @@
 //! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
 use papilio_diagnostics::{Diagnostic, did_you_mean, nearest, number, quoted, suggestion};
+use papilio_display::scene::Metric;
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
 use papilio_spectra::{
@@ -231,6 +232,23 @@ pub(crate) fn no_such_state(name: &str, known: &[String]) -> Diagnostic {
     Diagnostic::new(format!("there is no state `{name}`")).hint(hint)
 }
 
+/// A metric that needs states which the pixel does not have; `None` if it has them.
+pub(crate) fn lacks_states(name: &str, metric: Metric, known: &[String]) -> Option<Diagnostic> {
+    let needed = metric.needed_states();
+    let missing: Vec<&str> =
+        needed.iter().copied().filter(|state| known.iter().all(|one| one != state)).collect();
+    let list = |names: &[&str]| names.iter().map(|one| format!("`{one}`")).collect::<Vec<_>>().join(", ");
+    (!missing.is_empty()).then(|| {
+        let states: Vec<&str> = known.iter().map(String::as_str).collect();
+        Diagnostic::new(format!("`{name}` is not defined: there is no state {}", list(&missing)))
+            .expected(format!("a pixel with {}", list(needed)))
+            .hint(format!(
+                "the states of this pixel are {}; display.pixel.states defines others",
+                list(&states)
+            ))
+    })
+}
+
 /// A pixel without states; `remedy` is the hint.
 pub(crate) fn no_states(remedy: &str) -> Diagnostic {
     Diagnostic::new("this pixel has no states").hint(remedy)
@@ -274,6 +292,13 @@ pub(crate) fn too_many(what: &str, count: f64, limit: usize) -> Diagnostic {
 /// A list without items.
 pub(crate) fn empty_list() -> Diagnostic {
     Diagnostic::new("this list is empty").expected("at least one item")
+}
+
+/// A key of which another one that varies is a part, or the other way round.
+pub(crate) fn overlapping(path: &str, other: &str) -> Diagnostic {
+    Diagnostic::new(format!("`{path}` and `{other}` set the same value: one contains the other"))
+        .expected("keys of which none contains another")
+        .hint("vary either the whole table or list, or values in it")
 }
 
 /// An item of a list that it has before.

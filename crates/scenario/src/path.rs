@@ -161,6 +161,11 @@ impl KeyPath {
         self.keys().map(quoted).collect::<Vec<_>>().join(".")
     }
 
+    /// Whether one of two different paths is the beginning of the other.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.keys().zip(other.keys()).all(|(a, b)| a == b) && self.keys().len() != other.keys().len()
+    }
+
     /// The path as it was written.
     pub(crate) fn text(&self) -> &str {
         &self.text

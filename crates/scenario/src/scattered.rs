@@ -206,8 +206,20 @@ fn triangular(one: &Triangular, place: Origin, mode: f64, errors: &mut Errors) -
     if (from..=to).contains(&mode) {
         return Some(Distribution::Triangular { from, mode, to });
     }
-    let (from, to) = if mode < from { (from, mode) } else { (mode, to) };
-    errors.push(if one.mode.is_some() { one.mode.origin } else { place }, mistake::empty_range(from, to));
+    let wrong = |what: &str| {
+        Diagnostic::new(format!("{what}, {mode}, is outside the range from {from} to {to}"))
+            .expected(format!("a number from {from} to {to}"))
+    };
+    match one.mode.is_some() {
+        true => errors.push(
+            one.mode.origin,
+            wrong("the mode").hint("`from` and `to` are the ends of the distribution"),
+        ),
+        false => {
+            let hint = "without `mode`, the scenario's value is the mode (several keys: a deviation of 0; relative: the factor 1)";
+            errors.push(place, wrong("the mode, the scenario's value").hint(hint));
+        }
+    }
     None
 }
 

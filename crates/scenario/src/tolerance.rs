@@ -223,6 +223,8 @@ impl Scattered {
 /// Error: a key, or two keys with the same name, have more than one distribution.
 fn two_distributions(name: &str) -> Diagnostic {
     Diagnostic::new(format!("`{name}` has more than one distribution"))
+        .expected("each key and each name in one item of `tolerance.keys`")
+        .hint("remove one of them, or give the items different names with `name`")
 }
 
 /// Checks that each key and each name occurs once.
@@ -233,6 +235,8 @@ fn check_distinct(read: &[Spanned<Scattered>], keys: &[ScatteredKey], errors: &m
             let key = KeyPath::new(&path);
             if paths.contains(&key) {
                 errors.push(origin, two_distributions(&path));
+            } else if let Some(other) = paths.iter().find(|other| other.overlaps(&key)) {
+                errors.push(origin, mistake::overlapping(&path, &other.present()));
             }
             paths.push(key);
         }
@@ -248,7 +252,7 @@ fn correlation(
     keys: &[ScatteredKey],
     errors: &mut Errors,
 ) -> Option<Correlation> {
-    let (mut coefficients, mut places) = (Vec::new(), Vec::new());
+    let (mut coefficients, mut places) = (Vec::<Coefficient>::new(), Vec::new());
     for one in read {
         let place = |name: &Spanned<String>| {
             let place = keys.iter().position(|key| key.name == name.value);
@@ -264,8 +268,24 @@ fn correlation(
             errors.push(one.keys.origin, mistake::no_such_count(found.len() as f64, "two keys or more"));
         }
         for (i, &second) in found.iter().enumerate() {
+            if found[..i].contains(&second) {
+                let name = &one.keys[i];
+                errors.push(name.origin, mistake::listed_twice(&format!("`{}`", name.value)));
+                continue;
+            }
             for &first in &found[..i] {
-                coefficients.push(Coefficient { between: [first, second], value: one.coefficient.0 });
+                let value = one.coefficient.0;
+                let is_pair = |known: &&Coefficient| {
+                    known.between == [first, second] || known.between == [second, first]
+                };
+                if let Some(known) = coefficients.iter().find(is_pair) {
+                    if known.value != value {
+                        let [a, b] = [first, second].map(|at| &keys[at].name);
+                        errors.push(one.coefficient.origin, two_coefficients([a, b], [known.value, value]));
+                    }
+                    continue;
+                }
+                coefficients.push(Coefficient { between: [first, second], value });
                 places.push(one.origin);
             }
         }
@@ -283,6 +303,13 @@ fn correlation(
             None
         }
     }
+}
+
+/// Error: a pair of keys has two coefficients.
+fn two_coefficients([a, b]: [&str; 2], [before, now]: [f64; 2]) -> Diagnostic {
+    Diagnostic::new(format!("the correlation of `{a}` and `{b}` is {before} above, and {now} here"))
+        .expected("one coefficient for each pair of keys")
+        .hint("a list of more than two keys gives every pair of them the coefficient; remove this pair from one of the lists")
 }
 
 /// Returns the metrics with limits, then the other metrics to report; and the limits.
@@ -323,6 +350,9 @@ fn columns(
 
 fn checked(limit: &Spanned<Limit>, scene: &Scene, states: &[String], errors: &mut Errors) {
     has_state(&limit.metric, states, errors);
+    if let Some(wrong) = mistake::lacks_states(&limit.metric.text(), limit.metric.metric, states) {
+        errors.push(limit.metric.origin, wrong);
+    }
     let views = views(scene);
     if limit.view.0 as usize >= views {
         let expected = format!("the number of a view, 0 to {}", views - 1);

@@ -12,7 +12,10 @@ mod declare;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use papilio_colour::CORNERS;
+
 use crate::label::KnownLabel;
+use crate::meter::PRIMARIES;
 use crate::result::StateValues;
 
 /// What computes a metric.
@@ -343,6 +346,28 @@ metrics! {
         /// Haze of the front in transmission (after ASTM D1003), per cent: what leaves at more than 2.5 deg, for one scattering
         /// interface among flat ones.
         haze_percent = "Haze" in "%",
+    }
+}
+
+impl Metric {
+    /// States without which a metric of [`MetricSource::Colours`] is not defined, besides the state of a metric of a state. Metrics of
+    /// other sources have none here.
+    pub fn needed_states(self) -> &'static [&'static str] {
+        match self {
+            Self::contrast => &["black"],
+            Self::contrast_ratio
+            | Self::text_luminance_cd_m2
+            | Self::text_contrast
+            | Self::reading_surrogate
+            | Self::reading_surrogate_age_20
+            | Self::reading_surrogate_age_50
+            | Self::reading_surrogate_age_75
+            | Self::visibility_level
+            | Self::contrast_margin => &["white", "black"],
+            Self::gamut_volume_cielab => &CORNERS,
+            _ if self.is_of_view() && self.source() == MetricSource::Colours => &PRIMARIES,
+            _ => &[],
+        }
     }
 }
 

@@ -180,6 +180,10 @@ impl Reader {
             if let Some(state) = &metric.state {
                 self.known_state(state, asked.metric.origin, states)?;
             }
+            if let Some(wrong) = mistake::lacks_states(&metric.text(), metric.metric, states) {
+                self.errors.push(asked.metric.origin, wrong);
+                return None;
+            }
             let quantity = Quantity::Metric { view, state: metric.state.clone(), metric: metric.metric };
             return Some((metric.text(), quantity));
         }

@@ -268,8 +268,14 @@ impl Reader {
             })
             .collect();
         for (i, (path, origin)) in all.iter().enumerate() {
-            if all[..i].iter().any(|(other, _)| KeyPath::new(other) == KeyPath::new(path)) {
-                self.errors.push(*origin, Diagnostic::new(format!("more than one variable sets `{path}`")));
+            let key = KeyPath::new(path);
+            let before = || all[..i].iter().map(|(other, _)| KeyPath::new(other));
+            if before().any(|other| other == key) {
+                let wrong = Diagnostic::new(format!("more than one variable sets `{path}`"));
+                self.errors
+                    .push(*origin, wrong.expected("each key in one variable").hint("remove one of them"));
+            } else if let Some(other) = before().find(|other| other.overlaps(&key)) {
+                self.errors.push(*origin, mistake::overlapping(path, &other.present()));
             }
         }
     }

@@ -172,6 +172,12 @@ fn mistakes_are_reported_at_their_places() {
             "more than one variable sets",
             "key = ",
         ),
+        (
+            "key = \"display.pixel.film.0.material\"",
+            "key = \"display.pixel.film.0\"",
+            "`display.pixel.film.0` and `display.pixel.film.0.thickness_nm` set the same value",
+            "key = ",
+        ),
         ("compensated_by = \"display.pixel.area.green\"", "", "the areas sum to", "bounds = "),
         ("area.green\"\nbounds", "area.grey\"\nbounds", "no sub-pixel `grey`", "compensated_by = "),
         ("area.green\"\nbounds", "area\"\nbounds", "have no constant sum", "compensated_by = "),
@@ -191,6 +197,17 @@ fn mistakes_are_reported_at_their_places() {
         let Err(error) = read(&text) else { panic!("{to} is taken") };
         assert!(error.contains(said), "{to}: {error}");
         assert!(error.contains(line), "{to}: {error}");
+    }
+    let states = "model = \"film\"\ndefault_states = false\nstates = { white = { red = 1, green = 1 }, red = { red = 1 } }";
+    for metric in ["contrast_ratio", "white.contrast"] {
+        let limit = [
+            ("model = \"film\"", states),
+            ("gamut_percent_srgb", "red.Y"),
+            ("\"white.Y\"", &format!("\"{metric}\"")),
+        ];
+        let error = read(&changed_in(&whole(), &limit)).unwrap_err();
+        let said = format!("`{metric}` is not defined: there is no state `black`");
+        assert!(error.contains(&said) && error.contains("the states of this pixel are"), "{error}");
     }
     assert!(read(GOOD).unwrap_err().contains("the scenario has no `[optimize]`"));
     let walk = changed_in(&whole(), &[("[optimize]", "[solver]\nmethod = \"monte-carlo\"\n[optimize]")]);
