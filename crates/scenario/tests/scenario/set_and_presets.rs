@@ -81,7 +81,7 @@ fn name_with_points_in_quotes_is_one_key_of_every_path() {
     let gap = |scene: &Scene| {
         let states = &film(scene).states;
         assert!(states.iter().all(|state| !["a", "\"a.b\""].contains(&&*state.name)), "{states:?}");
-        states.iter().find(|state| state.name == "a.b").unwrap().drives[2].clone()
+        states.iter().find(|state| state.name == "a.b").unwrap().drives[2]
     };
     let folder = Path::new("");
     let at = |nm: f64| Drive::Gap(nm);
