@@ -92,6 +92,9 @@ const OF_HALF: f64 = 0.25;
 /// An interval that is narrower than this part of one beside it holds the light of a sharp image.
 const STEP: f64 = 0.1;
 
+/// Slope of such an interval over that of one beside it, at least.
+const STEEP: f64 = 3.0;
+
 /// Error of [`crossing`] by the distance of the places: what fewer places make of the crossings of all values in the interval and
 /// the ones beside it, of which some differ little by chance.
 pub(super) fn crossing_error(places: &[f64], cumulative: &[f64], value: f64) -> Option<f64> {
@@ -159,7 +162,7 @@ pub(super) fn interpolated(places: &[f64], values: &[f64], at: f64) -> f64 {
     }
 }
 
-/// Cubic between two places, with the slopes of parabolas through three points.
+/// Cubic between two places, with the slopes of parabolas through three points, on one side of a sharp image.
 struct Piece {
     width: f64,
     values: [f64; 2],
@@ -170,9 +173,25 @@ impl Piece {
     fn new(places: &[f64], values: &[f64], from: usize) -> Self {
         let chord = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
         let last = places.len() - 2;
+        let width = |k: usize| places[k + 1] - places[k];
+        // A sharp image in the interval beside a place tells nothing of the slope there.
+        let is_step = |k: usize, beside: usize| {
+            width(k) < STEP * width(beside) && chord(k).abs() > STEEP * chord(beside).abs()
+        };
+        let from_one_side = |near: usize, far: Option<usize>| {
+            let far = far.filter(|far| *far <= last && !is_step(*far, near));
+            let bend = |far| width(near) / (width(near) + width(far)) * (chord(near) - chord(far));
+            chord(near) + far.map_or(0.0, bend)
+        };
         let slope = |k: usize| {
             let (left, right) = (k.saturating_sub(1).min(last), k.min(last));
-            let [a, b] = [left, right].map(|k| places[k + 1] - places[k]);
+            if left != right && is_step(left, right) {
+                return from_one_side(right, Some(right + 1));
+            }
+            if left != right && is_step(right, left) {
+                return from_one_side(left, left.checked_sub(1));
+            }
+            let [a, b] = [left, right].map(width);
             (chord(left) * b + chord(right) * a) / (a + b)
         };
         // A step within the interval, as of a sharp image, has no parabola: no slope beyond three times the
