@@ -246,7 +246,7 @@ impl Group {
 
 /// Combination in which these meetings are with the second state.
 fn bits<T: Copy>(places: &[T], is_second: impl Fn(T) -> bool) -> usize {
-    places.iter().rev().fold(0, |bits, place| bits << 1 | usize::from(is_second(*place)))
+    places.iter().rev().fold(0, |bits, place| (bits << 1) | usize::from(is_second(*place)))
 }
 
 /// Combinations of the meetings with stripes across an axis, each with its part of all positions of the stripes.
@@ -286,7 +286,7 @@ fn mean_of_fine(places: &[[f64; 2]], lights: &[f64]) -> f64 {
         }
     }
     let of_choice = |choice: usize| {
-        let chosen = apart.iter().enumerate().filter(|(k, _)| choice >> k & 1 == 1);
+        let chosen = apart.iter().enumerate().filter(|(k, _)| (choice >> k) & 1 == 1);
         lights[chosen.map(|(_, (_, meetings))| meetings).sum::<usize>()]
     };
     let choices = 1 << apart.len();
