@@ -10,6 +10,7 @@ use crate::mistake::{Mistake, MistakeKind};
 use crate::origin::Origin;
 use crate::path::{KeyPath, index, joined};
 use crate::source::Sources;
+use crate::tree::{Node, Value};
 
 /// All errors of a scenario, at least one.
 #[derive(Debug, Clone, PartialEq)]
@@ -294,6 +295,25 @@ impl Errors {
         }
     }
 
+    /// If every item of a list has the same wrong type, replaces their errors, all after the first `before`, by
+    /// one of the list.
+    pub(crate) fn of_whole_list(&mut self, before: usize, list: &Node) {
+        let Value::Array(items) = &list.value else { return };
+        let (Some(own), true) = (self.found.get(before..), items.len() > 1) else { return };
+        let Some((_, Mistake { diagnostic: first, .. }, None)) = own.first() else { return };
+        let Some(found) = first.message.strip_prefix("this is ") else { return };
+        let all_alike = own.len() == items.len()
+            && own
+                .iter()
+                .zip(items)
+                .all(|((origin, mistake, _), item)| *origin == item.origin && mistake.diagnostic == *first);
+        if all_alike {
+            let wrong = Diagnostic { message: format!("each item of this list is {found}"), ..first.clone() };
+            self.found.truncate(before);
+            self.push(list.origin, wrong);
+        }
+    }
+
     /// Returns `value`, or all errors in the order of the text.
     pub(crate) fn finish<T>(mut self, value: Option<T>, sources: &Sources) -> Result<T, ScenarioErrors> {
         match value {
@@ -301,6 +321,9 @@ impl Errors {
             _ => {}
         }
         self.found.sort_by_key(|(origin, ..)| *origin);
+        self.found.dedup_by(|next, one| {
+            one.2.is_none() && next.2.is_none() && one.0 == next.0 && one.1.takes(&next.1)
+        });
         let error = |(origin, mut mistake, file): (Origin, Mistake, Option<Place>)| {
             if matches!(mistake.kind, MistakeKind::MissingKey(_))
                 && mistake.diagnostic.hint.is_none()

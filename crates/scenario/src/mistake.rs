@@ -32,6 +32,32 @@ pub(crate) struct Mistake {
     pub(crate) diagnostic: Diagnostic,
 }
 
+impl Mistake {
+    /// Adds another mistake at the same place, if both are missing keys: one message names all of them.
+    pub(crate) fn takes(&mut self, other: &Self) -> bool {
+        let (MistakeKind::MissingKey(_), MistakeKind::MissingKey(key)) = (&self.kind, &other.kind) else {
+            return false;
+        };
+        let message = &self.diagnostic.message;
+        let words = |diagnostic: &Diagnostic| {
+            let words = diagnostic.expected.clone().unwrap_or_default();
+            words.strip_prefix("expected ").unwrap_or(&words).to_owned()
+        };
+        let one = message.strip_prefix("the key ").and_then(|one| one.strip_suffix(" is missing"));
+        let several = message.strip_prefix("the keys ").and_then(|all| all.strip_suffix(" are missing"));
+        let (keys, before) = match (one, several) {
+            (Some(first), _) => (first.to_owned(), format!("{first}: {}", words(&self.diagnostic))),
+            (None, Some(several)) => (several.replace(" and ", ", "), words(&self.diagnostic)),
+            (None, None) => return false,
+        };
+        let expected = format!("{before}; `{key}`: {}", words(&other.diagnostic));
+        let diagnostic =
+            Diagnostic::new(format!("the keys {keys} and `{key}` are missing")).expected(expected);
+        self.diagnostic = diagnostic.hint_if(self.diagnostic.hint.clone().or(other.diagnostic.hint.clone()));
+        true
+    }
+}
+
 impl From<Diagnostic> for Mistake {
     fn from(diagnostic: Diagnostic) -> Self {
         Self { kind: MistakeKind::Other, diagnostic }

@@ -235,7 +235,9 @@ impl<T: Read> Read for Vec<Spanned<T>> {
             return node.wrong_type(Self::in_words(), errors);
         };
         // All items are read first, so that every wrong one is reported.
+        let before = errors.count();
         let items: Vec<Option<Spanned<T>>> = items.iter().map(|item| Spanned::read(item, errors)).collect();
+        errors.of_whole_list(before, node);
         items.into_iter().collect()
     }
 }

@@ -52,7 +52,9 @@ impl Resolver<'_> {
                 self.err(state, twice.hint("remove one of the two"));
             }
         }
-        if let [only] = &image.states[..] {
+        if let [only] = &image.states[..]
+            && known.contains(&only.0)
+        {
             let wrong = Diagnostic::new(format!("the state `{}` alone shows no picture", only.0));
             self.err(only, wrong.expected("two or more states").hint("remove `states` to use all"));
         }

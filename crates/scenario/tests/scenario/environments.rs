@@ -75,7 +75,7 @@ fn wrong_environments_are_refused() {
         (sky("number = 1.5"), "1.5 is not a whole number"),
         (sky("number = 1\ntilt_deg = 180"), "none of this light falls on the display"),
         (sky("number = 1\nwidth_deg = 3"), "`width_deg` cannot be combined with model = \"sky\""),
-        ("model = \"ring\"\nshare = 0.5".into(), "`theta_deg` is missing"),
+        ("model = \"ring\"\nshare = 0.5".into(), "the keys `theta_deg` and `width_deg` are missing"),
         ("model = \"lava\"\nshare = 0.5".into(), "`lava` is not one of the choices"),
         ("model = \"profile\"\nfile = \"none.csv\"\nshare = 0.5".into(), "there is no such file"),
     ] {

@@ -15,6 +15,7 @@ mod liquid_crystals;
 mod matrix;
 mod measured;
 mod no_light;
+mod one_message;
 mod optimize;
 mod pixels;
 mod reflection;

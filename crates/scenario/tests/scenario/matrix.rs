@@ -168,7 +168,7 @@ fn wrong_filters_are_refused() {
         ("display.matrix.filter.height_um=-1", "-1 is out of range"),
         ("display.matrix.filter.transmittance.red=40", "not per cent"),
         ("display.matrix.filter.transmittance={ }", "no parts"),
-        ("display.matrix.states.x={ red = \"white\" }", "the key `green` is missing"),
+        ("display.matrix.states.x={ red = \"white\" }", "the keys `green` and `blue` are missing"),
         (
             "display.matrix.states.x={ red = \"white\", green = \"whit\", blue = \"black\" }",
             "did you mean `white`?",
