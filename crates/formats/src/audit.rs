@@ -49,7 +49,7 @@ struct ChannelFile {
     reciprocity_worst: Option<f64>,
     haze: Option<f64>,
     clarity: Option<f64>,
-    grid_error: f64,
+    grid_error: Option<f64>,
     held_azimuths_deg: Option<[f64; 2]>,
     measured_to_theta_deg: Option<f64>,
     /// Of listed pairs of directions that form no grid.
@@ -119,8 +119,9 @@ struct IncidenceFile {
     /// Fraction of `integral_beyond` that the extrapolated tails contribute.
     beyond_share: f64,
     integral_filled: f64,
-    grid_error: f64,
-    azimuth_error: f64,
+    /// None for listed pairs: it is not known.
+    grid_error: Option<f64>,
+    azimuth_error: Option<f64>,
     peak: Option<f64>,
     half_widths_deg: [Option<f64>; 3],
 }
@@ -194,7 +195,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
         reciprocity_rms: audit.reciprocity.map(|[rms, _]| rms),
         reciprocity_worst: audit.reciprocity.map(|[_, worst]| worst),
         haze: audit.haze,
-        clarity: audit.clarity,
+        clarity: audit.clarity.filter(|clarity| *clarity >= 0.0),
         grid_error: audit.grid_error(),
         held_azimuths_deg: audit.held_azimuths_deg,
         measured_to_theta_deg: audit.inclined_to_deg,

@@ -160,14 +160,14 @@ fn geometry(geometry: &Geometry) -> String {
                 _ => format!("rotations: {}; ", span(&grid.rotations_deg)),
             };
             format!(
-                "about the specular direction, degrees: {turns}incidences: {}; azimuths: {}, {symmetry}; radial: {}",
+                "about the specular direction, deg: {turns}incidences: {}; azimuths: {}, {symmetry}; radial: {}",
                 span(&grid.incidences_deg),
                 span(&grid.azimuths_deg),
                 span(&grid.radials_deg),
             )
         }
         Geometry::Spherical(grid) => format!(
-            "inclinations and azimuths, degrees: light {} and {}; viewer {} and {}",
+            "inclinations and azimuths, deg: light {} and {}; viewer {} and {}",
             span(&grid.theta_i_deg),
             span(&grid.phi_i_deg),
             span(&grid.theta_o_deg),
@@ -187,8 +187,8 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
         "beyond",
         "tails filled",
         "grid error",
-        "peak 1/sr",
-        "half-widths deg",
+        "peak (1/sr)",
+        "half-widths (deg)",
     ];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
     for incidence in &audit.incidences {
@@ -200,7 +200,7 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
             incidence.tis.map_or("-".to_owned(), |tis| format!("{:.3}", incidence.integral / tis)),
             incidence.measured_to_deg.map_or("-".to_owned(), |_| percent(incidence.beyond_share())),
             format!("{:.4}", incidence.integral_filled),
-            percent(incidence.grid_error),
+            incidence.grid_error.map_or("not known".to_owned(), percent),
             incidence.peak.map_or("-".to_owned(), |peak| format!("{peak:.4}")),
             format!("{} {} {}", width(0), width(1), width(2)),
         ]);
@@ -230,6 +230,10 @@ fn audit_lines(part: &MeasuredPart, audit: &Audit) -> String {
         )),
         Some(_) => line(
             "clarity: none, because more light is scattered by 1 to 2.5 deg than by less than 1 deg"
+                .to_owned(),
+        ),
+        None if audit.haze.is_some() => line(
+            "clarity: not measured, which needs light within 2.5 deg of the direct beam in steps of 0.5 deg"
                 .to_owned(),
         ),
         None => {}
@@ -382,7 +386,11 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     // Half the widest step of a grid about the normal.
     let finer =
         |axis: &[f64]| number(0.5 * axis.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max));
-    if let Some(at) = at(&|i| i.grid_error - i.azimuth_error > TIS_TOLERANCE) {
+    let errors = |i: &papilio_goniometry::Incidence| {
+        let [all, azimuths] = [i.grid_error, i.azimuth_error].map(|error| error.unwrap_or_default());
+        [all - azimuths, azimuths]
+    };
+    if let Some(at) = at(&|i| errors(i)[0] > TIS_TOLERANCE) {
         warnings.push(match &part.geometry {
             Geometry::Spherical(grid) => format!(
                 "the inclinations of the viewer are too far apart for the lobe at {at} deg: measure them in steps of {} deg",
@@ -391,8 +399,8 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
             _ => format!("the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"),
         });
     }
-    if let Some(at) = at(&|i| i.azimuth_error > TIS_TOLERANCE) {
-        let most = percent(audit.incidences.iter().map(|i| i.azimuth_error).fold(0.0, f64::max));
+    if let Some(at) = at(&|i| errors(i)[1] > TIS_TOLERANCE) {
+        let most = percent(audit.incidences.iter().map(|i| errors(i)[1]).fold(0.0, f64::max));
         warnings.push(match &part.geometry {
             Geometry::Spherical(grid) => format!(
                 "the azimuths are too far apart for the lobe at {at} deg: up to {most} of the integral is uncertain; measure \

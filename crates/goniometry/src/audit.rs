@@ -51,7 +51,8 @@ pub struct Audit {
     pub reciprocity: Option<[f64; 2]>,
     /// Fraction of the transmitted light beyond 2.5 deg, at the smallest incidence; only of a transmission.
     pub haze: Option<f64>,
-    /// Clarity (see the module documentation); only of a grid with steps of 0.5 deg or less near the peak.
+    /// Clarity (see the module documentation), negative where there is more light in the ring than in the disc;
+    /// only of a grid with steps of 0.5 deg or less near the peak that has light there.
     pub clarity: Option<f64>,
     /// First and last azimuth, degrees from the plane of incidence, if not 0 and 180; beyond them the nearest
     /// value is used.
@@ -107,10 +108,11 @@ pub struct Incidence {
     pub integral_beyond: f64,
     /// Integral with tails extrapolated, also into dark cells.
     pub integral_filled: f64,
-    /// Relative uncertainty of the integral from the grid: of distances and azimuths together.
-    pub grid_error: f64,
-    /// Relative uncertainty of the integral from the grid's azimuths.
-    pub azimuth_error: f64,
+    /// Relative uncertainty of the integral from the grid: of distances and azimuths together; `None` for listed
+    /// pairs, for which it is not known.
+    pub grid_error: Option<f64>,
+    /// Relative uncertainty of the integral from the grid's azimuths; `None` as `grid_error`.
+    pub azimuth_error: Option<f64>,
     /// Value in the specular direction, 1/sr; `None` if this is beyond the largest measured angle.
     pub peak: Option<f64>,
     /// Distance from the specular direction to half the peak, degrees: towards the normal, sideways, away
@@ -129,8 +131,8 @@ impl Incidence {
             measured_to_deg: None,
             integral_beyond: integral,
             integral_filled: integral,
-            grid_error: 0.0,
-            azimuth_error: 0.0,
+            grid_error: Some(0.0),
+            azimuth_error: Some(0.0),
             peak: Some(peak),
             half_widths_deg: [None; 3],
         }
@@ -231,8 +233,8 @@ impl Audit {
                 measured_to_deg: shape.measured_to_deg(k),
                 integral_beyond,
                 integral_filled,
-                grid_error: by_distance + by_azimuth,
-                azimuth_error: by_azimuth,
+                grid_error: Some(by_distance + by_azimuth),
+                azimuth_error: Some(by_azimuth),
                 peak: shape.peak(k),
                 half_widths_deg: [0.0, 90.0, 180.0].map(|azimuth| shape.half_width_deg(k, azimuth)),
             }
@@ -250,6 +252,8 @@ impl Audit {
             let (disc, ring) = (1.0 - beyond_disc, beyond_disc - haze);
             (disc - ring) / (disc + ring)
         });
+        // Without light near the direct beam, it is not defined.
+        let clarity = clarity.filter(|clarity| clarity.is_finite());
         let incidences: Vec<Incidence> = (0..grid.incidences_deg.len()).map(incidence).collect();
         let peak = incidences.iter().filter_map(|i| i.peak).fold(0.0, f64::max);
         Self {
@@ -288,13 +292,17 @@ impl Audit {
             dark_beyond_deg: pairs.largest_deg[1],
             asymmetry: interpolation.asymmetry(),
             pairs: Some(pairs),
+            // That of the grid on which they are interpolated says nothing of the directions that were measured.
+            incidences: (self.incidences.iter())
+                .map(|one| Incidence { grid_error: None, azimuth_error: None, ..*one })
+                .collect(),
             ..self
         }
     }
 
-    /// Largest relative uncertainty of the integrals from the grid.
-    pub fn grid_error(&self) -> f64 {
-        self.incidences.iter().map(|incidence| incidence.grid_error).fold(0.0, f64::max)
+    /// Largest relative uncertainty of the integrals from the grid; `None` if it is not known.
+    pub fn grid_error(&self) -> Option<f64> {
+        self.incidences.iter().try_fold(0.0, |most: f64, incidence| Some(most.max(incidence.grid_error?)))
     }
 
     /// An audit of no cells.

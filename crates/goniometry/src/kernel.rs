@@ -106,10 +106,11 @@ pub struct Changes {
     pub held: f64,
     /// Fraction of diffuse light that comes from beyond the largest incidence, and is lost.
     pub lost: f64,
-    /// Largest relative uncertainty of the totals from the grid.
-    pub grid_error: f64,
+    /// Largest relative uncertainty of the totals from the grid; `None` for listed pairs, for which it is not
+    /// known.
+    pub grid_error: Option<f64>,
     /// The same from the grid's azimuths alone; included in `grid_error`.
-    pub azimuth_error: f64,
+    pub azimuth_error: Option<f64>,
     /// Relative difference of mirrored and rotated cells (root mean square).
     pub asymmetry: f64,
 }
@@ -179,7 +180,8 @@ pub fn kernel(
     };
     let pairs = pair_interpolation(part, channel);
     let grid_errors: Vec<[f64; 2]> = (0..incidences.len()).map(|k| shape.grid_errors(k)).collect();
-    let largest = |of: fn(&[f64; 2]) -> f64| grid_errors.iter().map(of).fold(0.0, f64::max);
+    let is_grid = pairs.is_none();
+    let largest = |of: fn(&[f64; 2]) -> f64| is_grid.then(|| grid_errors.iter().map(of).fold(0.0, f64::max));
     let changes = Changes {
         filled: shape.filled(),
         totals,
@@ -257,8 +259,8 @@ fn of_tree(
         last_deg: 90.0,
         held: 0.0,
         lost: 0.0,
-        grid_error: 0.0,
-        azimuth_error: 0.0,
+        grid_error: Some(0.0),
+        azimuth_error: Some(0.0),
         asymmetry: tree.asymmetry(values),
     };
     Ok((scatter, changes))

@@ -66,7 +66,7 @@ fn measured(haze: f64, radial_deg: f64, path: &Path) -> f64 {
     );
     let name = path.file_name().unwrap().to_str().unwrap();
     let read = read_bsdf(&DataFile::open_within(path, name, LARGEST_BSDF_FILE).unwrap()).unwrap();
-    Audit::of(&read.value.parts[0], 0).unwrap().grid_error()
+    Audit::of(&read.value.parts[0], 0).unwrap().grid_error().unwrap()
 }
 
 /// Returns the largest relative difference of any metric of any state, and the difference of the gamut in

@@ -56,7 +56,7 @@ fn audited(width: f64, azimuth_deg: f64, lobe: &dyn Fn(f64, f64) -> f64) -> Vec<
     let audit = Audit::of(&measured(&incidences, 2.5, azimuth_deg, lobe), 0).unwrap();
     let of_incidence = |found: &papilio_goniometry::Incidence| {
         let truth = total(lobe, found.theta_deg.to_radians().sin(), width);
-        [found.theta_deg, found.integral / truth - 1.0, found.grid_error]
+        [found.theta_deg, found.integral / truth - 1.0, found.grid_error.unwrap()]
     };
     audit.incidences.iter().map(of_incidence).collect()
 }

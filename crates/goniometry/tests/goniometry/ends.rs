@@ -106,7 +106,7 @@ fn audit_integrates_over_the_measured_inclinations() {
         for incidence in &audit.incidences {
             let ratio = incidence.integral / expected;
             // Steps of 15 deg in azimuth and 5 deg in inclination leave what the audit states.
-            let most = 2e-3 + incidence.grid_error;
+            let most = 2e-3 + incidence.grid_error.unwrap();
             assert!(
                 (ratio - 1.0).abs() < most && most < 0.02,
                 "cos^{n} at {}: {ratio} {most}",

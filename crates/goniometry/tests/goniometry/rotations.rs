@@ -110,7 +110,7 @@ fn mean_of_a_brushed_surface_equals_quadrature() {
         let audit = Audit::of(&part, 0).unwrap();
         for (found, expected) in audit.incidences.iter().zip(expected) {
             let error = found.integral / expected - 1.0;
-            let claimed = found.grid_error;
+            let claimed = found.grid_error.unwrap();
             assert!(
                 error.abs() < claimed + 1e-3 && claimed < most,
                 "{azimuths}: {error} {claimed} {expected}"

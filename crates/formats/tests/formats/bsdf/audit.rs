@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use papilio_formats::{BsdfFormat, WriteError, audit_text, write_measurement};
+use papilio_formats::{AuditFile, BsdfFormat, WriteError, audit_text, write_measurement};
 use papilio_goniometry::{
     Audit, Channel, Geometry, KLEMS_FULL, MeasuredPart, Measurement, Preparation, ScatterMode, SpecularGrid,
     calibrated, kernel,
@@ -244,7 +244,7 @@ fn integral_of_patches_is_their_weighted_sum() {
         let sum = |i: usize| (0..145).map(|o| values[i * 145 + o] * omega[o]).sum::<f64>();
         let mean = (first..first + count).map(sum).sum::<f64>() / count as f64;
         assert!((found.integral / mean - 1.0).abs() < 1e-12, "{found:?} {mean}");
-        assert_eq!((found.integral_filled, found.grid_error), (found.integral, 0.0));
+        assert_eq!((found.integral_filled, found.grid_error), (found.integral, Some(0.0)));
         let regular = 0.8 / omega[first];
         assert!((found.peak.unwrap() / regular - 1.0).abs() < 1e-12, "{found:?}");
         first += count;
@@ -268,7 +268,7 @@ fn coarse_azimuth_grid_is_a_warning() {
     let off = 0.55 * 10_f64.ln() / 0.9 - 1.0;
     let found = audit.incidences[0];
     assert!(
-        (found.azimuth_error - off).abs() < 2e-3 && found.grid_error >= found.azimuth_error,
+        (found.azimuth_error.unwrap() - off).abs() < 2e-3 && found.grid_error >= found.azimuth_error,
         "{found:?} {off}"
     );
     let text = audit_text("x", &measurement, &[Some(audit)]);
@@ -370,4 +370,70 @@ fn value_that_readers_refuse_is_not_written() {
         assert!(matches!(error, WriteError::Number { .. }), "{error}");
         assert!(bytes.is_empty() && error.to_string().contains("front transmission"), "{error}");
     }
+}
+
+/// A scan at normal incidence of f(theta), in steps of 0.25 deg to 10 deg and of 1 deg beyond; "null" in JSON
+/// is `None`.
+fn clarity_of(f: impl Fn(f64) -> f64) -> (Option<f64>, String) {
+    let angles = (0..40).map(|k| 0.25 * f64::from(k)).chain((10..=90).map(f64::from));
+    let rows: Vec<String> = angles.map(|theta| format!("{theta},{}", f(theta))).collect();
+    let measurement = read(format!("theta_deg,btdf\n{}\n", rows.join("\n")));
+    let audit = Audit::of(&measurement.parts[0], 0).unwrap();
+    let text = audit_text("x", &measurement, &[Some(audit.clone())]);
+    let file = AuditFile::new(&measurement, &[(&measurement.parts[0], vec![audit])], [&[], &[]]);
+    let json = serde_json::to_value(&file).unwrap();
+    let channel = json["parts"][0]["channels"][0].as_object().unwrap();
+    assert!(channel.contains_key("clarity") && channel["grid_error"].is_number());
+    (channel["clarity"].as_f64(), text)
+}
+
+/// Gaussian lobes of beta: the light within a radius b is 1 - exp(-b²/w²). Where the ring has more light than
+/// the disc, and where neither has any, there is no clarity: null in JSON, and its reason in the text.
+#[test]
+fn clarity_is_a_number_or_null() {
+    let beta = |degrees: f64| degrees.to_radians().sin();
+    for width_deg in [0.9, 1.6] {
+        let lobe = |theta: f64| (-(beta(theta) / beta(width_deg)).powi(2)).exp();
+        let [disc, both] = [1.0, 2.5].map(|edge| 1.0 - lobe(edge));
+        let expected = (2.0 * disc - both) / both;
+        let (found, text) = clarity_of(lobe);
+        if expected < 0.0 {
+            assert!(
+                found.is_none() && text.contains("clarity: none, because more light"),
+                "{found:?} {text}"
+            );
+        } else {
+            let found = found.unwrap();
+            assert!((found - expected).abs() < 5e-3 && text.contains("clarity "), "{found} {expected}");
+        }
+    }
+    let (found, text) = clarity_of(|theta| if theta < 5.0 { 0.0 } else { 0.3 });
+    assert!(found.is_none() && text.contains("clarity: not measured"), "{found:?} {text}");
+}
+
+/// What the grid of listed pairs leaves uncertain is not known, and no number is stated for it.
+#[test]
+fn grid_error_of_listed_pairs_is_not_known() {
+    let mut dice = papilio_testing::Dice::new(0x9a15, 0);
+    let row = |_| {
+        let [i, o] = [0, 1].map(|_| dice.between(0.0, 75.0));
+        format!("{i:.3},0,{o:.3},{:.3},0.25", dice.between(0.0, 180.0))
+    };
+    let rows: Vec<String> = (0..200).map(row).collect();
+    let measurement = read(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{}\n", rows.join("\n")));
+    let part = &measurement.parts[0];
+    assert!(matches!(part.geometry, Geometry::Pairs(_)));
+    let audit = Audit::of(part, 0).unwrap();
+    assert_eq!(audit.grid_error(), None);
+    let text = audit_text("x", &measurement, &[Some(audit.clone())]);
+    assert!(text.contains("not known") && text.contains("half-widths (deg)"), "{text}");
+    let file = AuditFile::new(&measurement, &[(part, vec![audit])], [&[], &[]]);
+    let json = serde_json::to_value(&file).unwrap();
+    let channel = &json["parts"][0]["channels"][0];
+    assert!(channel["grid_error"].is_null() && channel["pairs"]["one_left_out"]["rms"].is_number());
+    for one in channel["incidences"].as_array().unwrap() {
+        assert!(one["grid_error"].is_null() && one["azimuth_error"].is_null(), "{one}");
+    }
+    let (_, changes) = kernel(part, 0, &Preparation::default(), &[]).unwrap();
+    assert_eq!((changes.grid_error, changes.azimuth_error), (None, None));
 }

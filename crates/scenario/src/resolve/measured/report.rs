@@ -148,9 +148,9 @@ impl Resolver<'_> {
 
     /// Warns of uncertainty due to the grid and to asymmetry of the sample.
     fn warn_of_uncertainty(&mut self, path: &str, way: &str, changes: &Changes) {
-        if changes.grid_error > COARSE {
-            let percent = 100.0 * changes.grid_error;
-            let azimuths = match changes.azimuth_error > 0.5 * changes.grid_error {
+        if let Some(grid_error) = changes.grid_error.filter(|error| *error > COARSE) {
+            let percent = 100.0 * grid_error;
+            let azimuths = match changes.azimuth_error > Some(0.5 * grid_error) {
                 true => ", mostly because its azimuths are too far apart: measure them in smaller steps",
                 false => "",
             };
