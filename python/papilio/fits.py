@@ -261,7 +261,7 @@ def fit(
     known = {name: np.array(column) for name, column in words} | numbers
     residuals = {name: known[name] for name in columns}
     content = {"fit.json": core.json(), "fit.csv": core.table()}
-    found = Fitted(content, residuals, core.figures(changed.title), fitted, scene.warnings, [*scene.notes, *core.notes()])
+    found = Fitted(content, residuals, core.figures(changed.title), fitted, _messages.merged(scene.warnings, core.warnings()), [*scene.notes, *core.notes()])
     _messages.warn(found.warnings)
     return found
 

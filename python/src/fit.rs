@@ -160,6 +160,10 @@ impl Fit {
         py.detach(|| fit_figures(title, &self.report))
     }
 
+    fn warnings(&self) -> Vec<String> {
+        self.report.warnings.clone()
+    }
+
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }

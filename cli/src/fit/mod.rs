@@ -16,7 +16,7 @@ use papilio_scenario::{Edit, Fit, edit};
 use crate::arguments::FitCommand;
 use crate::compare::{measurement, names_of};
 use crate::progress::FractionBar;
-use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes};
+use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, print_warnings};
 
 /// Files of an earlier fit, besides figures.
 const FILES: [&str; 3] = ["fitted.toml", "fit.json", "fit.csv"];
@@ -51,6 +51,7 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
             .map_err(interrupted)?
     };
     let Some(mut found) = found else {
+        print_warnings(&not_in(fitting.warnings(), &own.warnings));
         print_notes(fitting.notes());
         return Err(Failure::Infeasible(
             "no start led to a minimum\n  = help: use more starts (fit.starts), or narrower bounds around what is known",
@@ -64,6 +65,9 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     // Those of the fit are printed after it, and written with the others.
     let of_fit = found.notes.clone();
     found.notes.splice(0..0, notes);
+    // Those of the scenario are printed before it.
+    let warnings = not_in(&found.warnings, &own.warnings);
+    found.warnings = [&own.warnings[..], &warnings].concat();
     output::make_folder(&folder)?;
     let names = interrupt::uninterrupted(|| write(arguments, &folder, &title, &fitting, &found))?;
     let mut stdout = crate::terminal::output(arguments.json);
@@ -74,8 +78,14 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     }
     stdout.flush()?;
     folder.print_written(&names);
+    print_warnings(&warnings);
     print_notes(&of_fit);
     Ok(())
+}
+
+/// Those that are not among others.
+fn not_in(all: &[String], others: &[String]) -> Vec<String> {
+    all.iter().filter(|one| !others.contains(one)).cloned().collect()
 }
 
 fn interrupted(error: DesignError) -> Failure {

@@ -343,3 +343,20 @@ fn report_counts_its_numbers_and_notes_their_direction() {
     assert!(stderr(&output).contains("1 number fitted in"), "{}", stderr(&output));
     assert!(stdout(&output).contains("0 degrees of freedom"), "{}", stdout(&output));
 }
+
+/// Warnings of the scenario are printed once, and are in the report.
+#[test]
+fn warnings_are_printed_once_and_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("fit").display().to_string();
+    let file = scenario("fit").display().to_string();
+    let narrow = ["--set", "spectrum.range_nm=[450,650]", "--set", "fit.starts=1"];
+    let output = papilio(&[&["fit", &file, &measured(), "--out", &out, "--json"][..], &narrow[..]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let words = "colours are computed from 450 to 650 nm only";
+    assert_eq!(stderr(&output).matches(words).count(), 1, "{}", stderr(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let warnings: Vec<&str> =
+        found["warnings"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(warnings.iter().filter(|one| one.contains(words)).count(), 1, "{warnings:?}");
+}

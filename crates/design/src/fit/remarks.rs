@@ -7,6 +7,8 @@ use super::levenberg_marquardt::{Minimum, dot};
 use super::model::{Unit, counted};
 use super::report::{FittedVariable, Runs, Starts};
 use super::run::Fitting;
+use super::statistics::leverages;
+use super::undetermined::determined;
 
 /// Standard deviations of chi-square above its degrees of freedom, and its ratio to them, beyond which the model is noted not to
 /// describe the data.
@@ -14,6 +16,8 @@ const FAR_ABOVE: f64 = 6.0;
 const TIMES: f64 = 3.0;
 /// Standard deviations of a prior beyond which a value does not agree with it.
 const FAR_FROM_PRIOR: f64 = 4.0;
+/// Degrees of freedom below which residuals do not determine their standard deviation.
+const LEAST_FREEDOM: f64 = 0.5;
 /// Chi-square over the degrees of freedom below which residuals are too small for the stated errors to be too small.
 const SMALL: f64 = 0.25;
 /// Runs that are fewer than this, in standard deviations, are noted.
@@ -49,6 +53,28 @@ impl Fitting<'_> {
         });
         let all = outside.chain(self.misfit(best)).chain(systematic).chain(lonely);
         all.chain(cuts(fitted)).chain(self.dropped()).chain(self.of_meter(fitted)).collect()
+    }
+
+    /// Warning of numbers without a stated standard deviation that leave no degree of freedom to determine one.
+    pub(super) fn without_weights(&self, best: &Minimum) -> Option<String> {
+        let leverages = leverages(&best.jacobian, &determined(&best.jacobian).covariance);
+        let of = |unit: Unit| -> (usize, f64) {
+            let all = self.model.observations.iter().zip(&leverages);
+            let unstated = all.filter(|(one, _)| one.standard_deviation.is_none() && one.unit() == unit);
+            unstated.fold((0, 0.0), |(count, freedom), (_, leverage)| (count + 1, freedom + 1.0 - leverage))
+        };
+        let too_few = [Unit::Fraction, Unit::Lab].map(of).into_iter();
+        let count: usize =
+            too_few.filter(|(_, freedom)| *freedom < LEAST_FREEDOM).map(|(count, _)| count).sum();
+        (count > 0).then(|| {
+            let (numbers, _) = counted(count, "measured number", "measured numbers");
+            let (variables, _) = counted(self.spec.variables.len(), "variable", "variables");
+            let them = if count == 1 { "counts" } else { "count" };
+            format!(
+                "{numbers} without a standard deviation {them} as exact, because {variables} leave no residuals from which it follows: \
+                 the intervals are too narrow (a column standard_deviation states it)"
+            )
+        })
     }
 
     /// Remark on a chi-square far above its degrees of freedom, where all standard deviations are stated.

@@ -33,6 +33,8 @@ pub struct FitReport {
     pub bic: f64,
     /// Starting points.
     pub starts: Starts,
+    /// Warnings of the scenario, of its own display, and of weights that are not known.
+    pub warnings: Vec<String>,
     /// Notes on what was not used, and on the result.
     pub notes: Vec<String>,
     /// Measured and predicted numbers: `fit.csv`.

@@ -53,6 +53,8 @@ pub struct Fitting<'stop> {
     hash: String,
     pub(super) model: Model,
     evaluator: Evaluator<'stop>,
+    /// Warnings of the scenario and of its own display.
+    warnings: Vec<String>,
 }
 
 /// Progress of a fit: the fraction that is done, and words.
@@ -70,7 +72,9 @@ impl<'stop> Fitting<'stop> {
         let mut evaluator = Evaluator::new(Arc::new(study(&spec, None, Vec::new())), stop);
         let result = evaluator.hold_level(&own)?;
         let paths = evaluator.study().values(&own)?;
-        let scene = spec.varied.scenario(&paths)?.resolve()?.scene;
+        let resolved = spec.varied.scenario(&paths)?.resolve()?;
+        let (scene, mut warnings) = (resolved.scene, resolved.warnings);
+        result.warnings.iter().for_each(|one| add_once(&mut warnings, one));
         let mut simulated = Simulated::of(&result, &scene).ok_or_else(|| DesignError::Fit {
             reason: "all light comes from the front light, so there are no reflectance factors to fit"
                 .to_owned(),
@@ -106,7 +110,7 @@ impl<'stop> Fitting<'stop> {
             return Err(DesignError::Fit { reason });
         }
         let hash = spec.hash_with(&format!("{:?}", model.observations));
-        Ok(Self { spec, hash, model, evaluator })
+        Ok(Self { spec, hash, model, evaluator, warnings })
     }
 
     /// Fit as read from the scenario.
@@ -122,6 +126,11 @@ impl<'stop> Fitting<'stop> {
     /// Notes on the measurement and on what is not used of it.
     pub fn notes(&self) -> &[String] {
         &self.model.notes
+    }
+
+    /// Warnings of the scenario and of its own display.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Values of the paths of the scenario, in order, for values of the variables.
@@ -478,6 +487,7 @@ impl<'stop> Fitting<'stop> {
             runs,
             bic: self.bic(best, common),
             starts,
+            warnings: self.warnings.iter().cloned().chain(self.without_weights(best)).collect(),
             notes,
             residuals,
         })
@@ -533,6 +543,12 @@ enum Intervals {
         undetermined: Vec<Vec<usize>>,
     },
     Better(Vec<f64>),
+}
+
+fn add_once(all: &mut Vec<String>, one: &str) {
+    if all.iter().all(|known| known != one) {
+        all.push(one.to_owned());
+    }
 }
 
 pub(super) fn in_bounds(variable: &FitVariable, value: f64) -> f64 {

@@ -279,6 +279,11 @@ fn two_numbers_have_one_degree_of_freedom() {
     let [from, to] = one.interval_95.unwrap();
     let ratio = 0.5 * (to - from) / one.standard_error.unwrap();
     assert!((ratio / 12.706 - 1.0).abs() < 0.02, "{ratio} {one:?}");
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    // Two variables leave none.
+    let found = fit(BARE, &[FILM, SCALE], &measured);
+    let warning = "2 measured numbers without a standard deviation count as exact, because 2 variables leave no residuals";
+    assert!(found.warnings.len() == 1 && found.warnings[0].starts_with(warning), "{:?}", found.warnings);
 }
 
 /// A table that is listed twice counts once, as does a part of it, with the deviation of the one that states it: the fit is that of

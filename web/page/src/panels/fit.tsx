@@ -247,6 +247,11 @@ function Result({ of }: { of: FitDone }) {
       {report.undetermined.length > 0 && (
         <p class="remark">Of what the data do not determine, one of the many values that fit is taken.</p>
       )}
+      {report.warnings.map((warning) => (
+        <p class="remark warning" key={warning}>
+          Warning: {warning}
+        </p>
+      ))}
       {[...of.notes, ...report.notes].map((note) => (
         <p class="remark" key={note}>
           Note: {note}
