@@ -1,7 +1,6 @@
 //! Cells of a measurement as data of a fit.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::f64::consts::PI;
 
 use papilio_optics::Beta;
@@ -12,8 +11,8 @@ use crate::{Geometry, MeasuredPart, SpecularGrid, SphericalGrid, Symmetry};
 /// Measured values with their directions, each direction once.
 ///
 /// All lobes are isotropic and reciprocal. Equal values of directions that only a rotation, a mirror image or reciprocity distinguishes
-/// are copies of one reading: those of a table that is listed twice, or of a file that was made symmetric. They count once, with the
-/// sum of their solid angles, because their errors are equal.
+/// are copies of one reading: those of a table that is listed twice, or of a file that was made symmetric. Each has its weight, but
+/// for intervals they count once, because their errors are equal.
 /// Cells without a value are omitted: NaN, or exactly 0, which files contain outside the instrument's field
 /// of view. At radial distance 0, all azimuths of a specular-centred grid are the same direction. It counts
 /// once, with the mean of their values.
@@ -38,7 +37,7 @@ impl Data {
     pub fn new(values: impl IntoIterator<Item = ([Beta; 2], f64)>) -> Self {
         let mut data = Self::default();
         values.into_iter().for_each(|([from, to], value)| data.push(from, to, value, 1.0));
-        data.without_copies()
+        data
     }
 
     /// Data of one channel of a part, given by its index.
@@ -57,12 +56,11 @@ impl Data {
             };
             data.push(light.arriving(), viewer.leaving(), value, solid_angle);
         }
-        data.without_copies()
+        data
     }
 
-    /// Joins cells with the same value whose pairs of directions are equal, turned, mirrored or reciprocal, and adds their solid
-    /// angles.
-    fn without_copies(mut self) -> Self {
+    /// Number of the reading of each cell, and the number of readings: copies have the same one.
+    pub(super) fn readings(&self) -> (Vec<usize>, usize) {
         let key = |cell: &Cell| {
             let Pair { delta2, cos_in, cos_out } = cell.pair;
             let rounded = |x: f64| (x / SAME_PAIR).round() as i64;
@@ -70,21 +68,12 @@ impl Data {
             (cell.value.to_bits(), rounded(delta2), a.min(b), a.max(b))
         };
         let mut known = HashMap::new();
-        let mut cells: Vec<Cell> = Vec::with_capacity(self.cells.len());
-        for cell in self.cells {
-            match known.entry(key(&cell)) {
-                Entry::Occupied(at) => {
-                    let first: &mut Cell = &mut cells[*at.get()];
-                    first.solid_angle += cell.solid_angle;
-                }
-                Entry::Vacant(at) => {
-                    at.insert(cells.len());
-                    cells.push(cell);
-                }
-            }
-        }
-        self.cells = cells;
-        self
+        let mut number = |cell| {
+            let next = known.len();
+            *known.entry(key(cell)).or_insert(next)
+        };
+        let numbers = self.cells.iter().map(&mut number).collect();
+        (numbers, known.len())
     }
 
     fn push(&mut self, from: Beta, to: Beta, value: f64, solid_angle: f64) {
