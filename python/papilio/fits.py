@@ -274,13 +274,24 @@ def _measured(one: object, at: int) -> tuple[str, bytes | None]:
         return text("measured", one, "a path or a table"), None
     if not isinstance(one, Mapping) and not hasattr(one, "columns"):
         raise ArgumentError(f"measured: expected the path of a file, a dict of columns or a DataFrame, not {described(one)}")
-    columns = {str(name): list(values) for name, values in one.items()}  # type: ignore[attr-defined]
+    items = one.items() if hasattr(one, "items") else ((name, one[name]) for name in one.columns)  # type: ignore[attr-defined, index]
+    columns = {str(name): _column(name, values) for name, values in items}
     lengths = {len(column) for column in columns.values()}
     if len(lengths) != 1:
         raise ArgumentError(f"measured: expected columns of the same length, not {', '.join(map(str, sorted(lengths))) or 'none'}")
     table = io.StringIO()
     csv.writer(table, lineterminator="\n").writerows([list(columns), *zip(*(map(_cell, one) for one in columns.values()), strict=True)])
     return f"measured table {at}", table.getvalue().encode()
+
+
+def _column(name: object, values: Any) -> list[Any]:
+    """Returns the values of a column of a table."""
+    if not isinstance(values, str | bytes):
+        try:
+            return list(values)
+        except TypeError:
+            pass
+    raise ArgumentError(f"measured: expected a list of values in the column {name!r}, not {described(values)}")
 
 
 def _cell(value: object) -> object:

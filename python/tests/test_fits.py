@@ -117,6 +117,9 @@ def test_mistakes_are_named(files):
         papilio.fit(scenario, measured, str(measured))
     with pytest.raises(papilio.ArgumentError, match="not 5"):
         papilio.fit(scenario, 5)
+    for column in (550, "white"):
+        with pytest.raises(papilio.ArgumentError, match="measured: expected a list of values in the column 'wavelength_nm', not"):
+            papilio.fit(scenario, {"wavelength_nm": column, "film": [0.5]})
     with pytest.raises(papilio.ArgumentError, match="columns of the same length, not 1, 2"):
         papilio.fit(scenario, {"state": ["white", "black"], "Y": [0.5]})
     with pytest.raises(papilio.FileError, match="absent.csv"):

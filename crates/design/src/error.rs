@@ -23,7 +23,7 @@ pub enum DesignError {
     },
     /// A metric of sparkle of several faces or gaps.
     #[error(
-        "`{metric}` is of one face and one gap, and [sparkle] has {count}\n  = help: choose one, for example --set sparkle.{key}={first}"
+        "`{metric}` is of one face and one gap, and [sparkle] has {count}\n  = help: choose one, for example sparkle.{key} = {first}"
     )]
     SeveralFaces {
         /// Name of the metric.
