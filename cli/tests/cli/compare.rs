@@ -199,7 +199,7 @@ fn metric_of_several_faces_is_refused() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("`ppd` is of one face and one gap, and [sparkle] has 3"), "{said}");
-    assert!(said.contains("--set sparkle.correlation_um=8"), "{said}");
+    assert!(said.contains("for example sparkle.correlation_um = 8"), "{said}");
 }
 
 /// The tables of a run, read as a measurement, differ from the run by rounding only.
