@@ -274,7 +274,7 @@ def _measured(one: object, at: int) -> tuple[str, bytes | None]:
         return text("measured", one, "a path or a table"), None
     if not isinstance(one, Mapping) and not hasattr(one, "columns"):
         raise ArgumentError(f"measured: expected the path of a file, a dict of columns or a DataFrame, not {described(one)}")
-    items = one.items() if hasattr(one, "items") else ((name, one[name]) for name in one.columns)  # type: ignore[attr-defined, index]
+    items = one.items() if hasattr(one, "items") else ((name, one[name]) for name in one.columns)  # type: ignore[index]
     columns = {str(name): _column(name, values) for name, values in items}
     lengths = {len(column) for column in columns.values()}
     if len(lengths) != 1:
