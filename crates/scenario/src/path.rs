@@ -114,9 +114,14 @@ impl KeyPath {
             let begin = start + part.len() - part.trim_start().len();
             let range = begin..begin + part.trim().len();
             let unquoted = unquoted(part.trim());
-            let names: Vec<&str> = above.iter().map(String::as_str).collect();
-            let present = new_key(&names, unquoted.as_deref().unwrap_or(part.trim()));
-            above.push(present.or(unquoted.as_deref()).unwrap_or(part.trim()).to_owned());
+            let written = unquoted.as_deref().unwrap_or(part.trim());
+            // Longer paths are refused where they are followed.
+            let mut present = None;
+            if above.len() < MOST_KEYS {
+                let names: Vec<&str> = above.iter().map(String::as_str).collect();
+                present = new_key(&names, written);
+                above.push(present.unwrap_or(written).to_owned());
+            }
             keys.push(Key { range, unquoted, present });
             if end == text.len() {
                 return Self { text: text.to_owned(), keys };

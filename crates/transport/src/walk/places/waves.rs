@@ -4,7 +4,8 @@
 //! along it, `exp(-2 pi i f s)` is a polynomial of degree 7 with an error below 1e-7, so that light is added
 //! to eight nodes and the transform is computed from the grid once, for all paths: a path costs the same at
 //! any number of frequencies. (The type 1 transform of A. Dutt, V. Rokhlin, SIAM J. Sci. Comput. 14, 1368
-//! (1993).) Few frequencies, and places beyond the grid, are summed directly.
+//! (1993).) Lower octaves of frequencies have coarser grids, each with half of the nodes of the one before, to which
+//! the light of that one is added. Few frequencies, and places beyond the grid, are summed directly.
 
 use std::f64::consts::TAU;
 
@@ -17,8 +18,17 @@ const PER_PERIOD: f64 = 20.0;
 /// Nodes that a place adds to.
 const NODES: usize = 8;
 
-/// Most nodes of a grid, times the frequencies of its line; places beyond it are summed directly.
+/// Most nodes of a line's first grid, times the frequencies of the line; places beyond it are summed directly.
 const MOST_PHASES: usize = 1 << 23;
+
+/// A grid with fewer nodes serves all lower frequencies.
+const FEWEST_NODES: usize = 64;
+
+/// Weights of a node on the nodes of the next grid about it, between two of which it is.
+const BETWEEN: [f64; NODES] = {
+    const SIDE: [f64; 4] = [-5.0 / 2048.0, 49.0 / 2048.0, -245.0 / 2048.0, 1225.0 / 2048.0];
+    [SIDE[0], SIDE[1], SIDE[2], SIDE[3], SIDE[3], SIDE[2], SIDE[1], SIDE[0]]
+};
 
 /// Frequencies of a line from which on it has a grid.
 const FEWEST: usize = 3;
@@ -38,12 +48,23 @@ struct Line {
     direction: [f64; 2],
     /// Numbers of the frequencies, and frequencies along the direction.
     members: Vec<(usize, f64)>,
-    /// Number of nodes, and that of the first among the nodes of all lines; no nodes for direct sums.
+    /// Number of nodes of the first grid, and that of the first node among those of all lines; no nodes for direct sums.
     nodes: usize,
     offset: usize,
     /// Distance of the first node, and one over the step, mm.
     first_mm: f64,
     per_mm: f64,
+    /// The grids, from that of the highest frequencies on.
+    grids: Vec<Grid>,
+}
+
+/// A grid along a line, and the frequencies whose transform it has.
+#[derive(Debug, Clone)]
+struct Grid {
+    nodes: usize,
+    /// Numbers of the frequencies.
+    members: Vec<usize>,
+    /// Real and imaginary part of `exp(-2 pi i f s)`; `[node][member]`.
     phases: [Vec<f64>; 2],
 }
 
@@ -83,7 +104,7 @@ impl Waves {
                         offset: 0,
                         first_mm: 0.0,
                         per_mm: 0.0,
-                        phases: [Vec::new(), Vec::new()],
+                        grids: Vec::new(),
                     });
                 }
             }
@@ -97,7 +118,7 @@ impl Waves {
                 line.first_mm = -0.5 * (line.nodes - 1) as f64 / line.per_mm;
                 line.offset = waves.nodes;
                 waves.nodes += line.nodes;
-                line.phases = line.phases_at_nodes();
+                line.grids = line.grids_of_octaves(most);
             }
         }
         waves
@@ -158,14 +179,20 @@ impl Waves {
             return transfer;
         }
         for line in self.lines.iter().filter(|line| line.nodes > 0) {
-            let grids: Vec<f64> =
-                rows.iter().flat_map(|row| row.grid[line.offset..][..line.nodes].iter().copied()).collect();
-            for (part, transfer) in transfer.iter_mut().enumerate() {
-                let mut sums = vec![0.0; rows.len() * line.members.len()];
-                add_product(&grids, &line.phases[part], line.nodes, &mut sums);
-                for (row, sums) in sums.chunks_exact(line.members.len()).enumerate() {
-                    for ((frequency, _), sum) in line.members.iter().zip(sums) {
-                        transfer[row * self.count + frequency] += sum;
+            let own = |row: &WaveSums| row.grid[line.offset..][..line.nodes].to_vec();
+            let mut light: Vec<Vec<f64>> = rows.iter().map(own).collect();
+            for (number, grid) in line.grids.iter().enumerate() {
+                if number > 0 {
+                    light.iter_mut().for_each(|row| *row = coarser(row));
+                }
+                let light = light.concat();
+                for (part, transfer) in transfer.iter_mut().enumerate() {
+                    let mut sums = vec![0.0; rows.len() * grid.members.len()];
+                    add_product(&light, &grid.phases[part], grid.nodes, &mut sums);
+                    for (row, sums) in sums.chunks_exact(grid.members.len().max(1)).enumerate() {
+                        for (frequency, sum) in grid.members.iter().zip(sums) {
+                            transfer[row * self.count + frequency] += sum;
+                        }
                     }
                 }
             }
@@ -175,14 +202,54 @@ impl Waves {
 }
 
 impl Line {
-    /// Real and imaginary part of `exp(-2 pi i f s)` at the nodes; `[node][member]`.
-    fn phases_at_nodes(&self) -> [Vec<f64>; 2] {
-        let along = |node: usize| self.first_mm + node as f64 / self.per_mm;
-        let each =
-            (0..self.nodes).flat_map(|node| self.members.iter().map(move |(_, f)| TAU * f * along(node)));
-        let (re, im) = each.map(|angle| (angle.cos(), -angle.sin())).unzip();
-        [re, im]
+    /// The grids of frequencies up to `most`: each has those above half of its highest.
+    fn grids_of_octaves(&self, most: f64) -> Vec<Grid> {
+        let (mut nodes, mut first_mm, mut per_mm, mut above) =
+            (self.nodes, self.first_mm, self.per_mm, 0.5 * most);
+        let mut grids = Vec::new();
+        let mut left = self.members.clone();
+        loop {
+            let is_last = nodes <= FEWEST_NODES;
+            let (members, lower) = left.into_iter().partition(|(_, f)| is_last || f.abs() > above);
+            left = lower;
+            grids.push(Grid::new(nodes, first_mm, per_mm, &members));
+            if left.is_empty() {
+                return grids;
+            }
+            (nodes, first_mm) = (coarser_nodes(nodes), first_mm - BEFORE as f64 * 2.0 / per_mm);
+            (per_mm, above) = (0.5 * per_mm, 0.5 * above);
+        }
     }
+}
+
+impl Grid {
+    fn new(nodes: usize, first_mm: f64, per_mm: f64, members: &[(usize, f64)]) -> Self {
+        let along = |node: usize| first_mm + node as f64 / per_mm;
+        let each = (0..nodes).flat_map(|node| members.iter().map(move |(_, f)| TAU * f * along(node)));
+        let (re, im) = each.map(|angle| (angle.cos(), -angle.sin())).unzip();
+        Self { nodes, members: members.iter().map(|(number, _)| *number).collect(), phases: [re, im] }
+    }
+}
+
+/// Nodes of the next grid before the first of this one.
+const BEFORE: usize = NODES / 2 - 1;
+
+/// Number of nodes of the next grid: every other node, and those about the ends that a node between two adds to.
+fn coarser_nodes(nodes: usize) -> usize {
+    nodes / 2 + NODES
+}
+
+/// The light of a grid on the nodes of the next one.
+fn coarser(light: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; coarser_nodes(light.len())];
+    for (pair, light) in light.chunks(2).enumerate() {
+        sums[pair + BEFORE] += light[0];
+        if let [_, between] = light {
+            let about = &mut sums[pair..][..NODES];
+            about.iter_mut().zip(BETWEEN).for_each(|(sum, weight)| *sum += between * weight);
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -192,7 +259,7 @@ mod tests {
     /// Places on the grid and beyond it, frequencies along both axes and off them, and zero.
     #[test]
     fn transform_equals_direct_sums() {
-        let along = (0..20).map(|k| [0.7 * f64::from(k), 0.0]);
+        let along = [0.02, 0.15].into_iter().chain((0..20).map(|k| 0.7 * f64::from(k))).map(|f| [f, 0.0]);
         let others = (1..9).map(|k| [-0.3 * f64::from(k), 0.5 * f64::from(k)]);
         let frequencies: Vec<[f64; 2]> = along.chain(others).chain([[0.0, 2.0], [3.0, -1.0]]).collect();
         let waves = Waves::new(&frequencies, 1.5);
