@@ -3,7 +3,7 @@
 
 import type { Edit } from "../api/types.ts";
 import { CRYSTAL_KINDS, isCrystal, STACK } from "../model/crystal.ts";
-import { at, listAt, numberAt, split, tableAt, type Json, type Table } from "../model/json.ts";
+import { at, join, listAt, numberAt, split, tableAt, type Json, type Table } from "../model/json.ts";
 import { without } from "../model/shares.ts";
 import { KINDS } from "../model/kinds.ts";
 import { freed, layers, MODELS, type Freed } from "../model/stack.ts";
@@ -80,8 +80,8 @@ function freeing(list: readonly Freed[]): Edit[] {
     const keys = Object.entries(layer);
     return [
       { op: "transfer", path: from, to: "display.layers", index },
-      ...former.filter((key) => !(key in layer)).map((key): Edit => ({ op: "remove", path: `${path}.${key}` })),
-      ...keys.map(([key, value]): Edit => ({ op: "set", path: `${path}.${key}`, value })),
+      ...former.filter((key) => !(key in layer)).map((key): Edit => ({ op: "remove", path: join(path, key) })),
+      ...keys.map(([key, value]): Edit => ({ op: "set", path: join(path, key), value })),
     ];
   });
 }

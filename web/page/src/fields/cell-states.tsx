@@ -7,6 +7,7 @@ import { files } from "../state/files.ts";
 import { set } from "../state/live.ts";
 import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
+import { idOf } from "./id.ts";
 import { NumberField } from "./number.tsx";
 
 const KINDS: Readonly<Record<StateKind, string>> = { volts: "voltage", angles: "tilt and twist", file: "file of directors" };
@@ -22,9 +23,9 @@ function Value({ path, name, unit, range }: { path: string; name: string; unit: 
   const value = at(fields.value, path);
   return (
     <div class={wrong.length > 0 ? "field wrong" : "field"} data-path={path}>
-      <label for={`f-${path}`}>{name}</label>
+      <label for={idOf(path)}>{name}</label>
       <NumberField
-        id={`f-${path}`}
+        id={idOf(path)}
         name={name}
         of={split(path)[1]}
         unit={unit}
@@ -58,8 +59,8 @@ function CellState({ path, name }: { path: string; name: string }) {
         </button>
       </legend>
       <div class="field">
-        <label for={`f-${path}-kind`}>Director by</label>
-        <Choice id={`f-${path}-kind`} value={kind} options={kinds} change={choose} />
+        <label for={`${idOf(path)}-kind`}>Director by</label>
+        <Choice id={`${idOf(path)}-kind`} value={kind} options={kinds} change={choose} />
       </div>
       {kind === "volts" && <Value path={join(path, "volts")} name="Voltage" unit="V" range={[0, 20]} />}
       {kind === "angles" &&
@@ -68,8 +69,8 @@ function CellState({ path, name }: { path: string; name: string }) {
         ))}
       {kind === "file" && (
         <div class="field">
-          <label for={`f-${path}-file`}>File</label>
-          <Choice id={`f-${path}-file`} value={String(value)} options={[...new Set([String(value), ...directorFiles])]} change={(file) => set(path, file)} />
+          <label for={`${idOf(path)}-file`}>File</label>
+          <Choice id={`${idOf(path)}-file`} value={String(value)} options={[...new Set([String(value), ...directorFiles])]} change={(file) => set(path, file)} />
         </div>
       )}
       <Problems of={wrong} />
@@ -98,8 +99,8 @@ export function CellStates({ path }: { path: string }) {
         const own = join(join(path, "states"), name);
         return (
           <div class="field" key={name} data-path={own}>
-            <label for={`f-${own}`}>{name}</label>
-            <Choice id={`f-${own}`} value={String(at(fields.value, own))} options={["planar", "focal-conic"]} change={(to) => set(own, to)} />
+            <label for={idOf(own)}>{name}</label>
+            <Choice id={idOf(own)} value={String(at(fields.value, own))} options={["planar", "focal-conic"]} change={(to) => set(own, to)} />
             <Problems of={problemsAt(own)} />
           </div>
         );

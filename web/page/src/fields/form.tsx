@@ -12,6 +12,7 @@ import { help, label, unit, type Found } from "../model/schema.ts";
 import { MODELS } from "../model/stack.ts";
 import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
+import { idOf } from "./id.ts";
 import { Editor } from "./editor.tsx";
 import { dragged } from "./number.tsx";
 
@@ -61,8 +62,8 @@ function Model({ path, found, value }: { path: string; found: Found; value: Json
   };
   return (
     <div class="field">
-      <label for={`f-${path}-model`}>{label(which.key)}</label>
-      <Choice id={`f-${path}-model`} value={now} options={values} change={choose} />
+      <label for={`${idOf(path)}-model`}>{label(which.key)}</label>
+      <Choice id={`${idOf(path)}-model`} value={now} options={values} change={choose} />
       <p class="help">{(which.help.get(now) ?? "").replaceAll("`", "")}</p>
     </div>
   );
@@ -80,7 +81,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
   const value = at(fields.value, path);
   const wrong = problemsAt(path);
   const text = name ?? nameOf(found, key);
-  const id = `f-${path}`;
+  const id = idOf(path);
   if (isMap(found)) return <MapOf path={path} found={found} name={text} />;
   if (isGroup(found) && isTable(value)) return <Group path={path} found={found} name={text} value={value} />;
   return (
@@ -133,7 +134,7 @@ function Vary({ path, value, name }: { path: string; value: Json | undefined; na
 }
 
 /** While a slider is being dragged, errors at other fields would move it under the hand. */
-const isQuiet = (path: string): boolean => dragged.value !== "" && dragged.value !== `f-${path}`;
+const isQuiet = (path: string): boolean => dragged.value !== "" && dragged.value !== idOf(path);
 
 const isMap = ({ node }: Found): boolean => typeof node.additionalProperties === "object" && !node.properties;
 
@@ -181,8 +182,8 @@ function Group({ path, found, name, value }: { path: string; found: Found; name:
       <legend>{name}</legend>
       <p class="help">{help(found.node)}</p>
       <div class="field" data-path={join(path, "model")}>
-        <label for={`f-${path}-model`}>Lobe</label>
-        <Choice id={`f-${path}-model`} value={model} options={Object.keys(LOBES)} change={choose} />
+        <label for={`${idOf(path)}-model`}>Lobe</label>
+        <Choice id={`${idOf(path)}-model`} value={model} options={Object.keys(LOBES)} change={choose} />
         <Problems of={problemsAt(join(path, "model"))} />
       </div>
       <Form path={path} except={["model"]} />

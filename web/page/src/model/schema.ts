@@ -2,7 +2,7 @@
 // If keys depend on `model` or `kind`, the values of the scenario select the alternative.
 
 import { plain } from "./format.ts";
-import { isTable, type Json, type Table } from "./json.ts";
+import { child, isTable, keysOf, type Json, type Table } from "./json.ts";
 
 export interface Node {
   readonly $ref?: string;
@@ -82,11 +82,11 @@ export class Schema {
   find(path: string, values: Json): Found | null {
     let found: Found = { node: this.root, def: "" };
     let here: Json | undefined = values;
-    for (const key of path === "" ? [] : path.split(".")) {
+    for (const key of keysOf(path)) {
       const next = this.step(this.chosen(found.node, here), key);
       if (!next) return null;
       found = this.follow(next);
-      here = Array.isArray(here) ? here[Number(key)] : isTable(here) ? here[key] : undefined;
+      here = child(here, key);
     }
     return found;
   }

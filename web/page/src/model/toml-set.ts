@@ -1,12 +1,14 @@
 // Setting existing keys of a TOML text in the page itself, for saving while the server does not respond. It replaces values only; all other
 // edits belong to the server, which keeps comments and layout (`/edit`).
 
+import { join, keysOf, unquoted } from "./json.ts";
+
 /** A place in the text: from, to. */
 type Span = readonly [number, number];
 
 class Unreadable extends Error {}
 
-/** The place of every value of a text by its path, as in `display.pixel.film.1.thickness_nm`. */
+/** The place of every value of a text by its path, as in `display.pixel.states."a.b".file`. */
 export function valuesOf(text: string): Map<string, Span> {
   const found = new Map<string, Span>();
   /** Numbers of the tables of arrays of tables so far. */
@@ -31,21 +33,27 @@ export function valuesOf(text: string): Map<string, Span> {
       is('"""') ? /"""[^]*?[^\\]?"""+/y : is("'''") ? /'''[^]*?'''+/y : quote === '"' ? /"(?:[^"\\\n]|\\.)*"/y : /'[^'\n]*'/y;
     const words = skip(pattern);
     if (words === "") throw new Unreadable(`a string without end at ${i}`);
-    return words.slice(1, -1);
+    return words;
+  };
+  const name = (): string => {
+    const key = unquoted(string());
+    if (key === null) throw new Unreadable(`not a key at ${i}`);
+    return key;
   };
   const keys = (): string[] => {
     const all: string[] = [];
     do {
       blanks();
-      const key = is('"') || is("'") ? string() : skip(/[A-Za-z0-9_-]+/y);
-      if (key === "") throw new Unreadable(`no key at ${i}`);
+      const isQuoted = is('"') || is("'");
+      const key = isQuoted ? name() : skip(/[A-Za-z0-9_-]+/y);
+      if (key === "" && !isQuoted) throw new Unreadable(`no key at ${i}`);
       all.push(key);
       blanks();
     } while (is(".") && ++i);
     return all;
   };
   const pair = (above: string): void => {
-    const path = [above, ...keys()].filter(Boolean).join(".");
+    const path = join(above, ...keys());
     expect("=");
     blanks();
     value(path);
@@ -89,7 +97,7 @@ export function valuesOf(text: string): Map<string, Span> {
     // A table within an array of tables belongs to its last one.
     head = "";
     all.forEach((key, k) => {
-      head = head === "" ? key : `${head}.${key}`;
+      head = join(head, key);
       const count = counts.get(head);
       if (k === all.length - 1 && isArray) {
         counts.set(head, (count ?? -1) + 1);
@@ -114,7 +122,7 @@ function written(value: unknown): string | null {
 export function withValue(text: string, path: string, value: unknown): string | null {
   const to = written(value);
   try {
-    const place = valuesOf(text).get(path);
+    const place = valuesOf(text).get(join("", ...keysOf(path)));
     return place && to !== null ? text.slice(0, place[0]) + to + text.slice(place[1]) : null;
   } catch (why) {
     if (why instanceof Unreadable) return null;

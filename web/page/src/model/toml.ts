@@ -9,6 +9,9 @@ export interface Piece {
 
 const STRING = /^("(?:[^"\\]|\\.)*"?|'[^']*'?)/;
 const WORD = /^[\w.+-]+/;
+const NAME = /(?:"(?:[^"\\]|\\.)*"|'[^']*'|[\w-]+)/.source;
+/** A key with points, of which parts may be in quotes, up to its equals sign. */
+const KEY = new RegExp(`^${NAME}(?:\\s*\\.\\s*${NAME})*(?=\\s*=)`);
 
 /** Splits a line; the pieces together are the line. */
 export function coloured(line: string): Piece[] {
@@ -28,9 +31,9 @@ export function coloured(line: string): Piece[] {
 
 function piece(rest: string): Piece {
   if (rest.startsWith("#")) return { kind: "comment", text: rest };
+  const key = KEY.exec(rest)?.[0];
+  if (key) return { kind: "key", text: key };
   const string = STRING.exec(rest)?.[0];
   const word = string ?? WORD.exec(rest)?.[0];
-  if (!word) return { kind: "plain", text: rest[0]! };
-  const isKey = /^\s*=/.test(rest.slice(word.length));
-  return { kind: isKey ? "key" : string ? "string" : "value", text: word };
+  return word ? { kind: string ? "string" : "value", text: word } : { kind: "plain", text: rest[0]! };
 }

@@ -10,7 +10,7 @@ import { firstError, isFaded, liveAge } from "../state/age.ts";
 import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
 import { discard, edit } from "../state/live.ts";
 import { wanted } from "../state/ready.ts";
-import { at, listAt, textAt } from "../model/json.ts";
+import { at, keysOf, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
 import { Mends } from "./problems.tsx";
 import { StatesEditor } from "./states.tsx";
@@ -28,8 +28,8 @@ function nameOf(path: string): string {
   if (part) return part.name;
   if (layer) return layer.name;
   if (film) return film.thickness === null ? "Gap" : `Film of ${film.material}`;
-  if (path.startsWith("lighting.directed.")) return `Source ${Number(path.split(".")[2]) + 1}`;
-  if (path.startsWith("lighting.environment.")) return `Environment ${Number(path.split(".")[2]) + 1}`;
+  if (path.startsWith("lighting.directed.")) return `Source ${Number(keysOf(path)[2]) + 1}`;
+  if (path.startsWith("lighting.environment.")) return `Environment ${Number(keysOf(path)[2]) + 1}`;
   const names: Record<string, string> = {
     "display.pixel": "Pixel",
     "display.pixel.states": "Drive states",

@@ -54,7 +54,7 @@ function NewState() {
     event.preventDefault();
     const called = name.value.trim();
     const first = subPixels(fields.value)[0];
-    if (!called || called.includes(".") || !first) return;
+    if (!called || !first) return;
     edit([{ op: "set", path: join("display.pixel.states", called), value: { [first]: 0.5 } }]);
     showState(called);
     name.value = "";

@@ -7,7 +7,7 @@
 import { computed, signal } from "@preact/signals";
 
 import type { Edit, Live, Problem, Result } from "../api/types.ts";
-import { textAt, type Json } from "../model/json.ts";
+import { isSamePath, textAt, type Json } from "../model/json.ts";
 import type { Schema } from "../model/schema.ts";
 import { edited, type Change } from "./edits.ts";
 import type { Revision } from "./revision.ts";
@@ -66,5 +66,5 @@ export const shownState = computed(() => {
 
 /** Returns the errors of a key. */
 export function problemsAt(path: string): readonly Problem[] {
-  return problems.value.filter((problem) => problem.path === path);
+  return problems.value.filter((problem) => problem.path && isSamePath(problem.path, path));
 }

@@ -2,7 +2,7 @@
 // preserves comments and order.
 
 import type { Edit } from "../api/types.ts";
-import { at, isTable, split, type Json } from "../model/json.ts";
+import { at, child, isTable, isSamePath, keysOf, split, type Json } from "../model/json.ts";
 
 /** An edit, and the gesture that made it (gesture.ts); "" for one that is an undo step of its own. */
 export type Change = Edit & { readonly gesture?: string };
@@ -30,7 +30,7 @@ export function merged(edits: readonly Change[], more: readonly Change[]): Chang
   for (const edit of more) {
     const barrier = all.findLastIndex((earlier) => earlier.op !== "set");
     const same =
-      edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && e.path === edit.path && e.gesture === edit.gesture) : -1;
+      edit.op === "set" ? all.findIndex((e, i) => i > barrier && e.op === "set" && isSamePath(e.path, edit.path) && e.gesture === edit.gesture) : -1;
     if (same >= 0) all.splice(same, 1);
     all.push(edit);
   }
@@ -75,10 +75,10 @@ function apply(root: Json, edit: Edit): void {
 /** Returns the table or list at a path, which is created if necessary. */
 function reach(root: Json, path: string): Json {
   let here = root;
-  for (const key of path === "" ? [] : path.split(".")) {
-    const next = at(here, key);
+  for (const key of keysOf(path)) {
+    const next = child(here, key);
     if (next === undefined || next === null || typeof next !== "object") put(here, key, {});
-    here = at(here, key) as Json;
+    here = child(here, key) as Json;
   }
   return here;
 }

@@ -4,6 +4,7 @@ import { computed, signal } from "@preact/signals";
 
 import type { Edit, FitDone, FitProgress } from "../api/types.ts";
 import { OF_METER, variablesOf, written, type FitVariable } from "../model/fit.ts";
+import { isSamePath } from "../model/json.ts";
 import { numbers } from "../model/keys.ts";
 import { present } from "./age.ts";
 import { fields, selected, text } from "./design.ts";
@@ -59,7 +60,7 @@ export function variableFor(key: string): FitVariable {
 /** Adds a variable: a key of the part that is selected in the drawing, if it has one. */
 export function addVariable(): void {
   const taken = variables.value.map(({ key }) => key);
-  const free = keys.value.filter((key) => !taken.includes(key));
+  const free = keys.value.filter((key) => !taken.some((one) => isSamePath(one, key)));
   const near = free.find((key) => key.startsWith(selected.value) && !/regular|phi|fill/.test(key)) ?? free[0];
   if (near) own.value = [...variables.value, variableFor(near)];
 }

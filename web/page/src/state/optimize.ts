@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 
 import type { Edit, FoundDesign, OptimizeDone, OptimizeProgress } from "../api/types.ts";
-import type { Table } from "../model/json.ts";
+import { isSamePath, type Table } from "../model/json.ts";
 import { numbers } from "../model/keys.ts";
 import { keyOf } from "../model/study.ts";
 import { present } from "./age.ts";
@@ -31,7 +31,7 @@ export function variableFor(key: string): Table {
   return { key, bounds: [ends[0], ends.at(-1)!] };
 }
 
-export const isVaried = (key: string): boolean => study.list("variables").some((one) => keyOf(one) === key);
+export const isVaried = (key: string): boolean => study.list("variables").some((one) => isSamePath(keyOf(one), key));
 
 /** Adds a variable; without a key, one of the part that is selected in the drawing. */
 export function addVariable(key?: string): void {

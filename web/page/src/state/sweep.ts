@@ -4,10 +4,10 @@ import { computed, signal } from "@preact/signals";
 
 import type { Edit, SweepDone, SweepPoint } from "../api/types.ts";
 import { axesOf, spaced, written, type Axis, type Line } from "../model/axes.ts";
-import { listAt, type Json } from "../model/json.ts";
+import { at, isSamePath, listAt, type Json } from "../model/json.ts";
 import { leaves, numbers } from "../model/keys.ts";
 import { present } from "./age.ts";
-import { fields, selected, text } from "./design.ts";
+import { fields, selected, states, text, view } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
 import { isOfPixels } from "./metrics.ts";
@@ -31,7 +31,10 @@ const chosenMetric = signal<string | null>(null);
 export const showMetric = (name: string): void => void (chosenMetric.value = name);
 /** The metrics that the scenario draws. */
 const figures = computed(() => listAt(fields.value, "sweep.figures").filter((name) => typeof name === "string"));
-export const metric = computed(() => chosenMetric.value ?? figures.value[0] ?? "gamut_percent_srgb");
+/** The first metric that the design has: one without states of colours has no gamut. */
+const usual = computed(() => (["gamut_percent_srgb", "contrast_ratio"] as const).find((name) => typeof view.value?.[name] === "number"));
+const ofState = computed(() => `${states.value[0]?.[0] ?? "white"}.Y`);
+export const metric = computed(() => chosenMetric.value ?? figures.value[0] ?? usual.value ?? ofState.value);
 
 export const points = signal<readonly SweepPoint[]>([]);
 export const done = signal<SweepDone | null>(null);
@@ -54,7 +57,7 @@ export const keys = computed(() => {
 
 /** Returns the initial values of a key, around its current value. */
 export function lineFor(path: string, count: number): Line {
-  const found = leaves(fields.value).find(([key]) => key === path)?.[1] ?? 1;
+  const found = at(fields.value, path) ?? 1;
   if (typeof found !== "number") return { path, spacing: "list", values: [found] };
   const isFraction = /haze|share|transmittance|reflectance|absorptance|albedo|fill_factor|diffuse$/.test(path);
   // The transmittance of a wide lobe cannot be increased much.
@@ -74,7 +77,7 @@ export function nearKey(): string | undefined {
   const taken = axes.value.flat().map(({ path }) => path);
   const free = numbers(fields.value)
     .map(([path]) => path)
-    .filter((path) => !taken.includes(path));
+    .filter((path) => !taken.some((key) => isSamePath(key, path)));
   return free.find((path) => path.startsWith(selected.value) && !/regular|phi|fill/.test(path)) ?? free[0];
 }
 

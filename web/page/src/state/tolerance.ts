@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 
 import type { ToleranceDone, ToleranceProgress } from "../api/types.ts";
-import type { Table } from "../model/json.ts";
+import { isSamePath, keysOf, type Table } from "../model/json.ts";
 import { numbers } from "../model/keys.ts";
 import { keyOf } from "../model/study.ts";
 import { present } from "./age.ts";
@@ -24,10 +24,10 @@ export const keys = computed(() => numbers(fields.value).map(([path]) => path));
 
 /** Returns a key with a normal distribution of 2 % of its value. */
 export function keyFor(key: string): Table {
-  return { name: key.split(".").slice(-2).join(" "), key, relative: true, normal: { sigma: 0.02 } };
+  return { name: keysOf(key).slice(-2).join(" "), key, relative: true, normal: { sigma: 0.02 } };
 }
 
-export const isVaried = (key: string): boolean => study.list("keys").some((one) => keyOf(one) === key);
+export const isVaried = (key: string): boolean => study.list("keys").some((one) => isSamePath(keyOf(one), key));
 
 /** Adds a key; without one, that of the part that is selected in the drawing. */
 export function addKey(key?: string): void {

@@ -1,5 +1,6 @@
 // The open tool to which fields of the design can be added: a sweep, a search, a tolerance analysis or a fit.
 
+import { isSamePath } from "../model/json.ts";
 import * as fit from "./fit.ts";
 import { addVariable, isVaried as isInSearch } from "./optimize.ts";
 import * as sweep from "./sweep.ts";
@@ -22,12 +23,12 @@ export function variesNow(): Varies | null {
   if (openTab.value === "tolerance") return { isVaried: isInTolerance, add: addKey };
   if (openTab.value === "fit")
     return {
-      isVaried: (path) => fit.variables.value.some(({ key }) => key === path),
+      isVaried: (path) => fit.variables.value.some(({ key }) => isSamePath(key, path)),
       add: (path) => void (fit.own.value = [...fit.variables.value, fit.variableFor(path)]),
     };
   if (openTab.value === "sweep" && sweep.axes.value.length < MOST_AXES)
     return {
-      isVaried: (path) => sweep.axes.value.flat().some((line) => line.path === path),
+      isVaried: (path) => sweep.axes.value.flat().some((line) => isSamePath(line.path, path)),
       add: (path) => {
         const count = sweep.axes.value.length === 0 ? FINE : COARSE;
         sweep.own.value = [...sweep.axes.value, [sweep.lineFor(path, count)]];

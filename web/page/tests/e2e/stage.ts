@@ -12,8 +12,8 @@ import { fileURLToPath } from "node:url";
 
 import { chromium, type Browser, type BrowserContextOptions, type Download, type Page, type Route } from "playwright-core";
 
+import { idOf } from "../../src/fields/id.ts";
 import { stepOf } from "../../src/model/tools.ts";
-
 
 export const ROOT = fileURLToPath(new URL("../../../../", import.meta.url));
 
@@ -268,5 +268,5 @@ export async function itemsOf(page: Page, menu: string | RegExp): Promise<string
 
 /** Types a value into a field. */
 export async function type(page: Page, path: string, value: string): Promise<void> {
-  await page.locator(`[id="f-${path}"]`).fill(value);
+  await page.locator(`[id=${JSON.stringify(idOf(path))}]`).fill(value);
 }

@@ -40,3 +40,18 @@ test("insertion creates a missing list", () => {
     display: { front: [1] },
   });
 });
+
+test("edits of keys in quotes change these keys alone", () => {
+  const fields = { states: { "a.b": { red: 1 }, a: { b: { red: 2 } } } };
+  const now = edited(fields, [
+    set('states."a.b".red', 0.5),
+    set("states.'a.b'.blue", 0.25),
+    set('states."c.d".x."e.f"', 3),
+    { op: "insert", path: 'states."c.d".list', index: 0, value: 4 },
+  ]);
+  assert.deepEqual(now, {
+    states: { "a.b": { red: 0.5, blue: 0.25 }, a: { b: { red: 2 } }, "c.d": { x: { "e.f": 3 }, list: [4] } },
+  });
+  assert.deepEqual(edited(fields, [{ op: "remove", path: 'states."a.b"' }]), { states: { a: { b: { red: 2 } } } });
+  assert.deepEqual(merged([set('"a.b"', 1)], [set("'a.b'", 2)]), [set("'a.b'", 2)]);
+});

@@ -30,6 +30,7 @@ const GRAMMAR = new Schema({
   type: "object",
   properties: {
     diffuser: { $ref: "#/$defs/Diffuser", description: "Beside the reference." },
+    states: { type: "object", additionalProperties: { type: "object", properties: { red: { type: "number" } } } },
     films: { type: "array", items: { type: "object", properties: { t: { type: "number" } } } },
   },
 });
@@ -42,6 +43,7 @@ test("value selects the alternative, and references are resolved", () => {
   assert.equal(GRAMMAR.find("diffuser", values)!.node.description, "Beside the reference.");
   assert.equal(GRAMMAR.find("diffuser", values)!.def, "Diffuser");
   assert.equal(GRAMMAR.find("films.3.t", {})!.node.type, "number");
+  assert.equal(GRAMMAR.find('states."a.b".red', { states: { "a.b": {} } })!.node.type, "number");
 });
 
 test("set keys without default come before those with a default, and the others can be added", () => {

@@ -42,6 +42,26 @@ test("value is replaced at its place, with its comment", () => {
   }
 });
 
+test("value of a key in quotes is replaced, whatever its quotes are", () => {
+  const text = `[pixel.states."a.b"]
+red = 0.5
+[pixel.states.a]
+b.red = 0.1
+[pixel]
+area = { 'r.1' = 0.4, "r\\t2" = 0.6, "r.\\u0031 " = 0.7 }
+`;
+  for (const [path, from] of [
+    ['pixel.states."a.b".red', "0.5"],
+    ["pixel . states.'a.b'.red", "0.5"],
+    ["pixel.states.a.b.red", "0.1"],
+    ['pixel.area."r.1"', "0.4"],
+    ['pixel.area."r\\u00092"', "0.6"],
+    ['pixel.area."r.1 "', "0.7"],
+  ] as const)
+    assert.equal(withValue(text, path, 0.25), text.replace(from, "0.25"), path);
+  assert.equal(withValue(text, "pixel.area.r.1", 1), null);
+});
+
 test("text is left to the server where a key is missing or the text is broken", () => {
   assert.equal(withValue(TEXT, "display.diffuser.width", 1), null);
   assert.equal(withValue(TEXT, "display.diffuser.haze", { a: 1 }), null);
