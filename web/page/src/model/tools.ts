@@ -3,7 +3,7 @@
 export interface Tool {
   readonly id: string;
   readonly name: string;
-  /** The command of the program; FILE is the scenario. Null for what the page alone does. */
+  /** The command of the program, without what is chosen in the tool; FILE is the scenario. Null for what the page alone does. */
   readonly command: string | null;
   /** The table of the scenario that describes it, if it has one. */
   readonly table?: string;
@@ -25,7 +25,7 @@ export const STEPS: readonly Step[] = [
     about: "Open an example, a new display or a file",
     tools: [
       { id: "examples", name: "Examples", command: null },
-      { id: "new", name: "New display", command: "papilio new --display KIND --light PRESET FILE" },
+      { id: "new", name: "New display", command: "papilio new" },
       { id: "files", name: "Files", command: "papilio diffuser inspect MEASURED.bsdf" },
       { id: "diffuser", name: "Measured diffuser", command: "papilio diffuser fit MEASURED.bsdf", showsCommand: true },
     ],
@@ -41,7 +41,7 @@ export const STEPS: readonly Step[] = [
       { id: "spectra", name: "Spectra", command: "papilio run FILE" },
       { id: "chromaticity", name: "Chromaticity", command: "papilio run FILE" },
       { id: "energy", name: "Energy balance", command: "papilio run FILE" },
-      { id: "surface", name: "Surface", command: "papilio gonio SURFACE" },
+      { id: "surface", name: "Surface", command: "papilio gonio" },
     ],
   },
   {
@@ -50,11 +50,11 @@ export const STEPS: readonly Step[] = [
     about: "Look at it: pictures, rooms, angles, pixels, reading",
     tools: [
       { id: "image", name: "Picture", command: "papilio image FILE", table: "image" },
-      { id: "rooms", name: "Rooms", command: "papilio image FILE --rooms office,living-room,daylight" },
+      { id: "rooms", name: "Rooms", command: "papilio image FILE" },
       {
         id: "angles",
         name: "Angles",
-        command: "papilio run FILE --set 'viewer.theta_deg={from=0,to=80,step=2}'",
+        command: "papilio run FILE --set 'viewer.theta_deg={from=-80,to=80,step=2}'",
       },
       { id: "cone", name: "All directions", command: "papilio run FILE --cone" },
       { id: "detail", name: "Fine detail", command: "papilio mtf FILE", table: "display.matrix" },
@@ -68,7 +68,7 @@ export const STEPS: readonly Step[] = [
     about: "Check it: by the other solver, against measurements",
     tools: [
       { id: "walk", name: "Monte Carlo", command: "papilio run FILE --solver monte-carlo" },
-      { id: "compare", name: "Compare", command: "papilio compare FILE MEASURED.csv" },
+      { id: "compare", name: "Compare", command: "papilio compare FILE" },
       { id: "validate", name: "Published samples", command: "papilio validate --measured" },
       { id: "study", name: "Numerical study", command: "papilio study sampling FILE", showsCommand: true },
     ],
@@ -81,7 +81,7 @@ export const STEPS: readonly Step[] = [
       { id: "sweep", name: "Sweep", command: "papilio sweep FILE", table: "sweep" },
       { id: "optimize", name: "Optimise", command: "papilio optimize FILE", table: "optimize" },
       { id: "tolerance", name: "Tolerance", command: "papilio tolerance FILE", table: "tolerance" },
-      { id: "fit", name: "Fit", command: "papilio fit FILE MEASURED.csv", table: "fit" },
+      { id: "fit", name: "Fit", command: "papilio fit FILE", table: "fit" },
       { id: "jobs", name: "Jobs", command: null },
     ],
   },
@@ -105,4 +105,7 @@ export const stepOf = (tool: string): Step => STEPS.find(({ tools }) => tools.so
 export const toolOf = (id: string): Tool => TOOLS.find((tool) => tool.id === id) ?? STEPS[1]!.tools[0]!;
 
 /** Returns a command for a scenario file of this name. */
-export const commandFor = (command: string, file: string): string => command.replace(/\bFILE\b/, file);
+export const commandFor = (command: string, file: string): string => command.replace(/\bFILE\b/, () => argument(file));
+
+/** Returns an argument of a command as a shell reads it: in quotes, if it needs them. */
+export const argument = (text: string): string => (/^[\w./,=:+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);

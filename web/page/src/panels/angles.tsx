@@ -8,6 +8,7 @@ import { digits, degrees } from "../model/format.ts";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { lineOf, Sample } from "../plots/spectra.tsx";
+import { anglePhi } from "../state/choices.ts";
 import { result, states, view } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
@@ -71,7 +72,7 @@ function tableOf(angles: Angles | null): Rows {
 
 export function AnglesPanel() {
   const metric = useSignal("contrast_ratio");
-  const phi = useSignal(0);
+  const phi = anglePhi;
   const under = useSignal<number | null>(null);
   const request = { phi_deg: phi.value, from_deg: -80, to_deg: 80, step_deg: 2 };
   const exact = useFollowed<Angles>("angles", request, REST_MS);

@@ -1,14 +1,13 @@
 // Sharpness, crosstalk, sparkle and gloss, as by `papilio mtf`, `crosstalk`, `sparkle` and `gloss`: numbers, and figures drawn by the
 // same code as on the command line.
 
-import { useSignal } from "@preact/signals";
-
 import type { Detailed } from "../api/types.ts";
 import { digits, NONE } from "../model/format.ts";
-import { tableAt } from "../model/json.ts";
 import { mendOf } from "../model/mends.ts";
 import { Drawn } from "../plots/figure.tsx";
-import { fields, states } from "../state/design.ts";
+import { detailCommand } from "../state/choices.ts";
+import { detailNow } from "../state/commands.ts";
+import { states } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { startJob } from "../state/jobs.ts";
 import { labelText } from "../state/labels.ts";
@@ -182,14 +181,12 @@ function Follow({ kind }: { kind: Kind }) {
 }
 
 export function DetailPanel() {
-  const hasFace = Object.keys(tableAt(fields.value, "sparkle")).length > 0;
-  const command = useSignal(hasFace ? "sparkle" : "mtf");
-  const kind = KINDS.find((one) => one.command === command.value) ?? KINDS[0]!;
+  const kind = KINDS.find((one) => one.command === detailNow()) ?? KINDS[0]!;
   return (
     <section aria-label="Fine detail">
       <div class="controls">
         <label for="detail-kind">Effect</label>
-        <select id="detail-kind" value={kind.command} onChange={(event) => (command.value = event.currentTarget.value)}>
+        <select id="detail-kind" value={kind.command} onChange={(event) => (detailCommand.value = event.currentTarget.value)}>
           {KINDS.map((one) => (
             <option key={one.command} value={one.command}>
               {one.name}

@@ -7,6 +7,7 @@ import { list, named, post, Refused } from "../api/client.ts";
 import type { Named, New } from "../api/types.ts";
 import { galleryOf, type Icon } from "../model/gallery.ts";
 import { matches } from "../model/metrics.ts";
+import { newKind } from "../state/choices.ts";
 import { opening } from "../state/design.ts";
 import { add } from "../state/files.ts";
 import { open } from "../state/open.ts";
@@ -104,7 +105,6 @@ export function Gallery() {
 
 /** The kinds of displays to start from. */
 const kinds = signal<readonly Named[]>([]);
-const chosenKind = signal("imod");
 
 /** Opens a new display in the light of a preset, with its files, as `papilio new` writes them. */
 async function create(display: string, light: string): Promise<void> {
@@ -131,7 +131,7 @@ export function NewDisplay() {
       <ul>
         {kinds.value.map(({ name, summary }) => (
           <li key={name}>
-            <button type="button" data-kind={name} aria-pressed={chosenKind.value === name} onClick={() => (chosenKind.value = name)}>
+            <button type="button" data-kind={name} aria-pressed={newKind.value === name} onClick={() => (newKind.value = name)}>
               <b>{name}</b>
               <small>{plain(summary)}</small>
             </button>
@@ -142,7 +142,7 @@ export function NewDisplay() {
       <ul>
         {PRESETS.value.map(({ name, summary }) => (
           <li key={name}>
-            <button type="button" data-preset={name} onClick={() => void create(chosenKind.value, name)}>
+            <button type="button" data-preset={name} onClick={() => void create(newKind.value, name)}>
               <b>{nameOf(name)}</b>
               <small>{plain(summary)}</small>
             </button>

@@ -1,13 +1,13 @@
 // The design compared with a measured panel, as by `papilio compare`: a table of the states, and figures of the spectra and
 // gamuts.
 
-import { signal } from "@preact/signals";
-
 import type { Compared } from "../api/types.ts";
 import { degrees, digits, fixed, NONE, signed } from "../model/format.ts";
 import { Drawn } from "../plots/figure.tsx";
+import { comparedPanel } from "../state/choices.ts";
+import { panelNow, panels } from "../state/commands.ts";
 import { showState } from "../state/design.ts";
-import { fileIds, files } from "../state/files.ts";
+import { fileIds } from "../state/files.ts";
 import { useFollowed } from "../state/follow.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
 import { labelText } from "../state/labels.ts";
@@ -21,16 +21,11 @@ import { Problems } from "./problems.tsx";
 /** Time without changes after which the comparison is requested, ms. */
 const REST_MS = 150;
 
-/** The name of the measurement that was selected last. */
-const selected = signal("");
-
 /** Opens the comparison with a file. */
 export function compareWith(name: string): void {
-  selected.value = name;
+  comparedPanel.value = name;
   showTab("compare");
 }
-
-const panels = (): string[] => files.value.filter(({ audit }) => audit?.kind === "panel").map(({ name }) => name);
 
 type State = Compared["comparison"]["states"][number];
 type View = Compared["comparison"]["views"][number];
@@ -225,7 +220,7 @@ function Follow({ name, id }: { name: string; id: string }) {
 /** The comparison with a measured panel, of which there may be several. */
 export function MeasuredPanel() {
   const names = panels();
-  const name = names.includes(selected.value) ? selected.value : (names[0] ?? "");
+  const name = panelNow();
   const id = fileIds.value[name];
   return (
     <section class="measured" aria-label="Measured panel">
@@ -235,7 +230,7 @@ export function MeasuredPanel() {
           <select
             aria-label="Measured panel"
             value={name}
-            onChange={(event) => (selected.value = event.currentTarget.value)}
+            onChange={(event) => (comparedPanel.value = event.currentTarget.value)}
           >
             {names.map((one) => (
               <option key={one} value={one}>

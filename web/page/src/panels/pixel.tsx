@@ -1,10 +1,9 @@
 // The pixel alone, as by `papilio pixel`: its reflectance against angle and wavelength, and the absorptance of its layers.
 
-import { useSignal } from "@preact/signals";
-
 import type { PixelScanned } from "../api/types.ts";
 import { textAt } from "../model/json.ts";
 import { Drawn } from "../plots/figure.tsx";
+import { pixelAbsorbs, pixelMedium } from "../state/choices.ts";
 import { fields } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { Aged } from "./aged.tsx";
@@ -20,8 +19,7 @@ const NAMES: Readonly<Record<string, string>> = {
 };
 
 export function PixelPanel() {
-  const medium = useSignal("");
-  const absorbs = useSignal(false);
+  const [medium, absorbs] = [pixelMedium, pixelAbsorbs];
   const isFilm = textAt(fields.value, "display.pixel.model") === "film";
   const more = { angles: medium.value || null, absorption: isFilm && absorbs.value };
   const { value, age, problems, count } = useFollowed<PixelScanned>("pixel", more, REST_MS);

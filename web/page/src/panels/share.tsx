@@ -1,7 +1,8 @@
 // Sharing: the report and the files of the command line, a link, and the commands that do the same.
 
 import { postForBlob, Refused } from "../api/client.ts";
-import { STEPS, commandFor } from "../model/tools.ts";
+import { STEPS } from "../model/tools.ts";
+import { commandNow } from "../state/commands.ts";
 import { addressOf, show } from "../state/address.ts";
 import { benchFile } from "../state/bench.ts";
 import { text } from "../state/design.ts";
@@ -138,17 +139,18 @@ export function CommandsPanel() {
         numbers.
       </p>
       {STEPS.map(({ id, name, tools }) => {
-        const all = tools.filter(({ command }, i) => command !== null && tools.findIndex((one) => one.command === command) === i);
+        const lines = tools.map((tool) => commandNow(tool.id, file));
+        const all = tools.flatMap((tool, i) => (lines[i] && lines.indexOf(lines[i]) === i ? [{ tool, line: lines[i] }] : []));
         return (
           all.length > 0 && (
             <section key={id} aria-label={`Commands of ${name}`}>
               <h3>{name}</h3>
-              {all.map((tool) => (
+              {all.map(({ tool, line }) => (
                 <div key={tool.id} class="command-row">
                   <button type="button" class="key-link" onClick={() => showTab(tool.id)}>
                     {tool.name}
                   </button>
-                  <Command line={commandFor(tool.command!, file)} />
+                  <Command line={line} />
                 </div>
               ))}
             </section>

@@ -188,7 +188,8 @@ export const imageAge = computed((): Age => {
   return age === "current" && shown.value.request !== wantedKey.value ? (hasFailed ? "failed" : "settings") : age;
 });
 
-const OWN_SOURCES = ["file", "text", "pattern"];
+/** Keys of `[image]` that name what is shown. */
+export const OWN_SOURCES = ["file", "text", "pattern"];
 
 /** The name of the picture that a request shows. */
 const nameOf = ({ picture }: Wanted): string => {

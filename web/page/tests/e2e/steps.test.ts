@@ -2,14 +2,14 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, downloaded, example, figure, PAPILIO, saved, settled, stage, tool, type, type Stage } from "./stage.ts";
+import { changed, downloaded, example, figure, PAPILIO, ROOT, saved, settled, stage, tool, type, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -227,6 +227,54 @@ test("every tool but those of the page alone shows its command, which the progra
   for (const line of lines) assert.match(known, new RegExp(`^  ${line.split(" ")[1]} `, "m"), line);
   await tool(page, "sweep");
   assert.match(await page.locator(".tool-command code").innerText(), /^papilio sweep [\w-]+\.toml$/);
+  const missing = page.locator(".tool-command", { hasText: "reads [sweep] of the scenario" });
+  await missing.waitFor();
+  await page.getByRole("button", { name: "Add to the scenario" }).click();
+  await missing.waitFor({ state: "detached" });
+});
+
+test("commands have what is chosen in their tools, and run", { timeout: 180_000 }, async () => {
+  const page = await on.visit();
+  const folder = mkdtempSync(join(tmpdir(), "papilio-"));
+  writeFileSync(join(folder, "indoor-reading.toml"), await saved(page));
+  copyFileSync(join(ROOT, "scenarios/data/chelsea.png"), join(folder, "my picture.png"));
+  /** Runs the command of the open tool. */
+  const runs = async (id: string, pattern: RegExp): Promise<void> => {
+    const line = await page.locator(".tool-command code").first().innerText();
+    assert.match(line, pattern, id);
+    const here = line.replace("PRESET", "office").replace("PICTURE.png", "'my picture.png'").replace(/^papilio/, '"$PAPILIO"');
+    execFileSync("bash", ["-c", `${here} -q`], { cwd: folder, env: { ...process.env, PAPILIO }, stdio: ["ignore", "ignore", "inherit"] });
+  };
+  await tool(page, "new");
+  await page.locator('[data-kind="epaper"]').click();
+  await runs("new", /^papilio new --display epaper --light PRESET epaper\.toml$/);
+  assert.ok(existsSync(join(folder, "epaper.toml")));
+  await tool(page, "rooms");
+  for (const room of await page.locator(".room-choice label").all())
+    await room.getByRole("checkbox").setChecked(/^(sunny|office)$/.test((await room.innerText()).trim()));
+  await runs("rooms", /^papilio image indoor-reading\.toml PICTURE\.png --rooms (office,sunny|sunny,office)$/);
+  await tool(page, "angles");
+  await page.locator("#angle-phi").fill("30");
+  await runs("angles", /^papilio run indoor-reading\.toml --set 'viewer\.theta_deg=\{from=-80,to=80,step=2\}' --set viewer\.phi_deg=30$/);
+  await tool(page, "detail");
+  await page.getByLabel("Effect").selectOption("gloss");
+  await runs("detail", /^papilio gloss indoor-reading\.toml$/);
+  await tool(page, "pixel");
+  await page.getByLabel("Angles in").selectOption("glass");
+  await page.getByLabel("absorptance of each layer").check();
+  await runs("pixel", /^papilio pixel indoor-reading\.toml --angles glass --absorption$/);
+  await tool(page, "walk");
+  await page.getByLabel("until the relative error is").selectOption("0.01");
+  await runs("walk", /^papilio run indoor-reading\.toml --solver monte-carlo --set solver\.relative_error=0\.01$/);
+  await tool(page, "image");
+  await page.locator("input[type=file]").first().setInputFiles(join(folder, "my picture.png"));
+  await page.getByLabel("Halftone").selectOption("error-diffusion");
+  await page.locator(".tool-command code", { hasText: "my picture" }).waitFor();
+  await runs("image", /^papilio image indoor-reading\.toml 'my picture\.png' --set 'image\.halftone="error-diffusion"'$/);
+  await tool(page, "commands");
+  const lines = await page.locator(".commands code").allInnerTexts();
+  assert.ok(lines.includes("papilio pixel indoor-reading.toml --angles glass --absorption"));
+  assert.deepEqual(on.complaints, []);
 });
 
 test("versions are side by side: pictures, differences coloured by targets, spectra; the choice is there after a reload", { timeout: 120_000 }, async () => {

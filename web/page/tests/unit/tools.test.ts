@@ -7,7 +7,7 @@ import { galleryOf, GROUPS } from "../../src/model/gallery.ts";
 import { grouped, groupOf, matches, meets, WHOLE } from "../../src/model/metrics.ts";
 import { keyOf, numberFrom, spreadOf, withSpread } from "../../src/model/study.ts";
 import { tableText } from "../../src/model/toml-table.ts";
-import { commandFor, stepOf, STEPS, toolOf, TOOLS } from "../../src/model/tools.ts";
+import { argument, commandFor, stepOf, STEPS, toolOf, TOOLS } from "../../src/model/tools.ts";
 
 test("every tool belongs to one step, and its command names the file", () => {
   const ids = TOOLS.map(({ id }) => id);
@@ -15,6 +15,8 @@ test("every tool belongs to one step, and its command names the file", () => {
   for (const { id } of TOOLS) assert.ok(stepOf(id).tools.includes(toolOf(id)), id);
   assert.deepEqual(STEPS.map(({ name }) => name), ["Start", "Design", "See", "Check", "Improve", "Share"]);
   assert.equal(commandFor("papilio run FILE --report", "a.toml"), "papilio run a.toml --report");
+  assert.equal(argument("my $& picture's.png"), "'my $& picture'\\''s.png'");
+  assert.equal(commandFor("papilio run FILE", "$& a.toml"), "papilio run '$& a.toml'");
 });
 
 test("gallery has every example once, those without a group in the last one", () => {
