@@ -3,10 +3,10 @@
 
 import type { Edit } from "../api/types.ts";
 import { CRYSTAL_KINDS, isCrystal, STACK } from "../model/crystal.ts";
-import { at, join, listAt, numberAt, split, tableAt, type Json, type Table } from "../model/json.ts";
+import { at, listAt, numberAt, split, tableAt, textAt, type Json, type Table } from "../model/json.ts";
 import { without } from "../model/shares.ts";
 import { KINDS } from "../model/kinds.ts";
-import { freed, layers, MODELS, type Freed } from "../model/stack.ts";
+import { freed, freeing, layers, MODELS } from "../model/stack.ts";
 import { fields, selected } from "../state/design.ts";
 import { edit } from "../state/live.ts";
 
@@ -20,6 +20,8 @@ function entry(path: string): { list: string; index: number } | null {
 export interface Addition {
   readonly edits: Edit[];
   readonly path: string;
+  /** What it replaces, in words. */
+  readonly instead?: string;
 }
 
 /** Returns the addition of a layer below the selected one; null for an unknown kind. */
@@ -40,25 +42,27 @@ export function layerAddition(kind: string): Addition | null {
     const index = here?.list === "display.front" ? here.index + 1 : listAt(all, "display.front").length;
     return { edits: [{ op: "insert", path: "display.front", index, value }], path: `display.front.${index}` };
   }
-  if (kind === "diffuser" && at(all, "display.diffuser") === undefined)
-    return {
-      edits: [{ op: "set", path: "display.diffuser", value: MODELS["display.diffuser"]!["k-correlation"] }],
-      path: "display.diffuser",
-    };
+  if (kind === "diffuser" && at(all, "display.diffuser") === undefined) {
+    const edits: Edit[] = [{ op: "set", path: "display.diffuser", value: MODELS["display.diffuser"]!["k-correlation"] }];
+    // The lobe of a diffuser includes its surfaces.
+    if (textAt(all, "display.glass.surface") === undefined) return { edits, path: "display.diffuser" };
+    const bare: Edit = { op: "remove", path: "display.glass.surface" };
+    return { edits: [bare, ...edits], path: "display.diffuser", instead: "the bare interface" };
+  }
   const guides = at(all, "lighting.front_light") === undefined ? 0 : 1;
   const under = layers(all).findIndex((layer) => layer.path === selected.value) + 1 - guides;
   const list = freed(all);
   const tables = list.map(({ layer }) => layer);
   const place = placeFor(kind, tables, under > 0 ? under : list.length);
-  const edits = freeing([...list.slice(0, place), { from: null, layer: starter }, ...list.slice(place)]);
+  const edits = freeing(all, [...list.slice(0, place), { from: null, layer: starter }, ...list.slice(place)]);
   return { edits, path: `display.layers.${place}` };
 }
 
-/** Adds a layer below the selected one. */
-export function addLayer(kind: string): void {
+/** Adds a layer below the selected one, together with further edits. */
+export function addLayer(kind: string, more: readonly Edit[] = []): void {
   const addition = layerAddition(kind);
   if (!addition) return;
-  edit(addition.edits);
+  edit([...addition.edits, ...more]);
   selected.value = addition.path;
 }
 
@@ -68,22 +72,6 @@ const MEDIA = ["medium", "slab"];
 function placeFor(kind: string, list: readonly Table[], wanted: number): number {
   const last = list.findLastIndex((layer) => MEDIA.includes(String(layer["kind"])));
   return MEDIA.includes(kind) || kind === "air gap" || last < 0 ? wanted : Math.min(wanted, last);
-}
-
-/** Returns the edits that convert the panel to general layers: their tables move with their comments. */
-function freeing(list: readonly Freed[]): Edit[] {
-  return list.flatMap(({ from, layer }, index): Edit[] => {
-    if (from === null) return [{ op: "insert", path: "display.layers", index, value: layer }];
-    const path = `display.layers.${index}`;
-    // A component of the front has all keys of its table.
-    const former = from.startsWith("display.front") ? [] : Object.keys(tableAt(fields.value, from));
-    const keys = Object.entries(layer);
-    return [
-      { op: "transfer", path: from, to: "display.layers", index },
-      ...former.filter((key) => !(key in layer)).map((key): Edit => ({ op: "remove", path: join(path, key) })),
-      ...keys.map(([key, value]): Edit => ({ op: "set", path: join(path, key), value })),
-    ];
-  });
 }
 
 /** The name of a film of the pixel among the layers. */

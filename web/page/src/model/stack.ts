@@ -1,5 +1,6 @@
 // The display as a list of layers from top to bottom, for an ordinary panel and for general layers.
 
+import type { Edit } from "../api/types.ts";
 import { at, isTable, join, listAt, tableAt, textAt, type Json, type Table } from "./json.ts";
 import { plain } from "./format.ts";
 import { COMPONENT, FRONT, KINDS, material, note, type Look } from "./kinds.ts";
@@ -95,28 +96,48 @@ export function films(fields: Json): Film[] {
 export interface Freed {
   readonly from: string | null;
   readonly layer: Table;
+  /** Keys of a component of the front that the layer does not have. */
+  readonly gone?: readonly string[];
 }
 
 /** Converts an ordinary panel to an equivalent list of general layers. */
 export function freed(fields: Json): Freed[] {
   // Each table leaves the list: the next one is the first.
-  const fronts = listAt(fields, "display.front").map((value) => ({
-    from: "display.front.0",
-    layer: { kind: COMPONENT, ...(value as Table) },
-  }));
+  const fronts = listAt(fields, "display.front").flatMap((value): Freed[] => {
+    const { gap_mm, ...component } = value as Table;
+    const air: Freed[] = typeof gap_mm === "number" && gap_mm > 0 ? [{ from: null, layer: { kind: "medium", index: 1, thickness_mm: gap_mm } }] : [];
+    return [{ from: "display.front.0", layer: { kind: COMPONENT, ...component }, ...(gap_mm == null ? {} : { gone: ["gap_mm"] }) }, ...air];
+  });
   const { surface, ...glass } = tableAt(fields, "display.glass");
   const diffuser = at(fields, "display.diffuser");
   const { model, ...rest } = isTable(diffuser) ? diffuser : {};
-  const top: Table = !isTable(diffuser)
-    ? { kind: surface ?? "ideal-ar" }
+  const of = "display.diffuser";
+  const top: Freed[] = !isTable(diffuser)
+    ? [{ from: null, layer: { kind: surface ?? "ideal-ar" } }]
     : model === "slab"
-      ? { kind: "slab", ...rest }
-      : { kind: "diffuser", model: model!, ...rest };
+      ? [{ from: null, layer: { kind: "fresnel" } }, { from: of, layer: { kind: "slab", ...rest } }]
+      : [{ from: of, layer: { kind: "diffuser", model: model!, ...rest } }];
   return [
     ...fronts,
-    { from: isTable(diffuser) ? "display.diffuser" : null, layer: top },
+    ...top,
     { from: "display.glass", layer: { kind: "medium", index: 1.5, ...glass } },
   ];
+}
+
+/** Returns the edits that convert the panel to general layers: their tables move with their comments. */
+export function freeing(fields: Json, list: readonly Freed[]): Edit[] {
+  return list.flatMap(({ from, layer, gone = [] }, index): Edit[] => {
+    if (from === null) return [{ op: "insert", path: "display.layers", index, value: layer }];
+    const path = `display.layers.${index}`;
+    // All tables of the front have the path of the first one.
+    const former = from.startsWith("display.front") ? gone : Object.keys(tableAt(fields, from));
+    const keys = Object.entries(layer);
+    return [
+      { op: "transfer", path: from, to: "display.layers", index },
+      ...former.filter((key) => !(key in layer)).map((key): Edit => ({ op: "remove", path: join(path, key) })),
+      ...keys.map(([key, value]): Edit => ({ op: "set", path: join(path, key), value })),
+    ];
+  });
 }
 
 /** A surface by its geometry. Few rays: they are followed while the scenario is read. */

@@ -5,6 +5,7 @@ import { CellStates } from "../fields/cell-states.tsx";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { CRYSTAL_KINDS, crystalParts, isCrystal, STACK } from "../model/crystal.ts";
 import { KINDS } from "../model/kinds.ts";
+import { mendOf } from "../model/mends.ts";
 import { films, layers, MODELS } from "../model/stack.ts";
 import { firstError, isFaded, liveAge } from "../state/age.ts";
 import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
@@ -18,7 +19,7 @@ import { facesOf } from "../model/surface.ts";
 import { showLayer } from "../state/surface.ts";
 import { said } from "../state/said.ts";
 import { PRESETS } from "../state/shelf.ts";
-import { refusedLayers, tryLayers } from "../state/try-layers.ts";
+import { helpedLayers, refusedLayers, tryLayers, type Help } from "../state/try-layers.ts";
 
 /** Returns the name of the part at a path. */
 function nameOf(path: string): string {
@@ -51,6 +52,7 @@ function Add({
   options,
   names = {},
   refused,
+  helped,
   opens,
   add,
 }: {
@@ -59,12 +61,15 @@ function Add({
   names?: Record<string, string>;
   /** Why parts cannot be added here. */
   refused?: ReadonlyMap<string, string>;
+  /** What is added together with parts. */
+  helped?: ReadonlyMap<string, Help>;
   opens?: () => void;
   add: (what: string) => void;
 }) {
   const items = options.map((option) => {
-    const why = refused?.get(option);
-    return { name: option, label: names[option] ?? option, ...(why === undefined ? {} : { refused: why }) };
+    const [why, help] = [refused?.get(option), helped?.get(option)];
+    const item = { name: option, label: names[option] ?? option };
+    return why !== undefined ? { ...item, refused: why } : help ? { ...item, summary: help.words } : item;
   });
   return (
     <Menu items={items} choose={add} {...(opens ? { opens } : {})}>
@@ -115,8 +120,9 @@ export function Toolbar() {
         options={layerKinds}
         names={LAYER_NAMES}
         refused={refusedLayers.value}
+        helped={helpedLayers.value}
         opens={() => void tryLayers(layerKinds)}
-        add={addLayer}
+        add={(kind) => addLayer(kind, helpedLayers.value.get(kind)?.edits)}
       />
       <Add
         name="Add source"
@@ -159,6 +165,7 @@ function Refusal() {
   if (problems.value.length === 0) return null;
   const waiting = pending.value.length + (draft.value === null ? 0 : 1);
   const changes = pending.value.slice(-2).map(wanted).join(", ");
+  const mend = draft.value === null ? mendOf(problems.value) : null;
   return (
     <div class="refusal">
       <p>
@@ -176,6 +183,11 @@ function Refusal() {
       <Elsewhere />
       <div class="mend">
         <Mends of={problems.value} />
+        {mend && (
+          <button type="button" class="run" onClick={() => edit(mend.edits)}>
+            Add {mend.words}
+          </button>
+        )}
         {waiting > 0 && (
           <button type="button" onClick={discard}>
             Discard

@@ -64,7 +64,8 @@ function apply(root: Json, edit: Edit): void {
   } else {
     const list = at(root, edit.path);
     if (edit.op === "insert") {
-      if (Array.isArray(list)) list.splice(edit.index ?? list.length, 0, edit.value as Json);
+      // Later edits change the copy, not the edit.
+      if (Array.isArray(list)) list.splice(edit.index ?? list.length, 0, structuredClone(edit.value) as Json);
       else put(reach(root, split(edit.path)[0]), split(edit.path)[1], [edit.value as Json]);
     } else if (Array.isArray(list)) {
       list.splice(edit.to, 0, ...list.splice(edit.from, 1));

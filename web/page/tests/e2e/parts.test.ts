@@ -1,11 +1,16 @@
 // All parts that can be added or selected on the page can be computed: layers, sources, models, presets, states.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { changed, choose, example, figure, itemsOf, saved, settled, stage, type Stage, type } from "./stage.ts";
+import type { Edit } from "../../src/api/types.ts";
+import type { Json } from "../../src/model/json.ts";
+import { freed, freeing } from "../../src/model/stack.ts";
+import { changed, choose, example, figure, itemsOf, ROOT, saved, settled, stage, type Stage, type } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -42,6 +47,58 @@ test("every layer and every source that can be added computes", { timeout: 120_0
     }
   }
   assert.deepEqual(on.complaints, []);
+});
+
+test("layer that needs a further key is added together with it", { timeout: 60_000 }, async () => {
+  const page = await on.visit();
+  await example(page, "printed-filter");
+  await page.waitForFunction(() => /^Printed/.test(document.querySelector<HTMLInputElement>(".title")?.value ?? ""));
+  await computes(page, "printed-filter");
+  const add = page.getByRole("button", { name: "Add layer" });
+  await add.click();
+  const item = page.locator('.menu [data-item="component"]');
+  await item.filter({ hasText: "with no gap below the front" }).waitFor({ timeout: 20_000 });
+  await item.click();
+  await computes(page, "front component with its gap");
+  assert.match(await saved(page), /gap_mm = 0\b/);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await computes(page, "without the front component");
+  await page.locator('[data-part="display.glass.surface"]').click();
+  await add.click();
+  const diffuser = page.locator('.menu [data-item="diffuser"]');
+  await diffuser.filter({ hasText: "in place of the bare interface" }).waitFor({ timeout: 20_000 });
+  await diffuser.click();
+  await computes(page, "diffuser in place of the bare interface");
+  const both = await saved(page);
+  assert.match(both, /haze = 0\.5/);
+  assert.doesNotMatch(both, /^surface/m);
+  assert.deepEqual(on.complaints.splice(0).filter((words) => !/status of 422/.test(words)), []);
+});
+
+test("panel that becomes a list of general layers keeps its numbers", { timeout: 60_000 }, async () => {
+  type Answer = { fields: Json; result: { views: { states: Record<string, { Y: number }> }[] } };
+  const live = async (scenario: string, edits: readonly Edit[]): Promise<Answer> => {
+    const head = { method: "POST", headers: { "content-type": "application/json" } };
+    const answer = await fetch(`${on.url}api/v1/live`, { ...head, body: JSON.stringify({ scenario, files: {}, edits }) });
+    assert.equal(answer.status, 200, await answer.clone().text());
+    return (await answer.json()) as Answer;
+  };
+  const numbers = ({ result }: Answer) => result.views.flatMap(({ states }) => Object.values(states).map(({ Y }) => Y));
+  for (const [name, more] of [
+    ["indoor", "gap_mm = 0.2\nreflectance = 0.005"],
+    ["indoor", "gap_mm = 0\nreflectance = 0.005"],
+    ["slab", ""],
+    ["epaper", ""],
+    ["reference-pixel", ""],
+    ["mip-lcd", ""],
+  ] as const) {
+    const text = readFileSync(join(ROOT, `scenarios/${name}.toml`), "utf8").replace(more ? "reflectance = 0.005" : "", more);
+    const own = await live(text, []);
+    const list = freed(own.fields);
+    const [before, now] = [numbers(own), numbers(await live(text, freeing(own.fields, list)))];
+    before.forEach((Y, i) => assert.ok(Math.abs(now[i]! - Y) <= 1e-9 * Y, `${name} ${more}: ${now[i]} instead of ${Y}`));
+    assert.equal(list.some(({ layer }) => layer["index"] === 1), more.includes("0.2"));
+  }
 });
 
 test("removed source leaves its fraction to the others", async () => {

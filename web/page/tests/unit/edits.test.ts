@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import type { Edit } from "../../src/api/types.ts";
+import type { Json } from "../../src/model/json.ts";
 import { edited, merged } from "../../src/state/edits.ts";
 
 const set = (path: string, value: unknown): Edit => ({ op: "set", path, value });
@@ -54,4 +55,14 @@ test("edits of keys in quotes change these keys alone", () => {
   });
   assert.deepEqual(edited(fields, [{ op: "remove", path: 'states."a.b"' }]), { states: { a: { b: { red: 2 } } } });
   assert.deepEqual(merged([set('"a.b"', 1)], [set("'a.b'", 2)]), [set("'a.b'", 2)]);
+});
+
+test("edits that follow an insertion do not change its value", () => {
+  const starter = { haze: 0.5, more: { index: 1.5 } };
+  const insert: Edit = { op: "insert", path: "layers", index: 0, value: starter };
+  for (const fields of [{ layers: [{ haze: 1 }] }, {}] as Json[]) {
+    const now = edited(fields, [insert, set("layers.0.haze", 0.9), set("layers.0.more.index", 2)]) as { layers: unknown[] };
+    assert.deepEqual(now.layers[0], { haze: 0.9, more: { index: 2 } });
+    assert.deepEqual(starter, { haze: 0.5, more: { index: 1.5 } });
+  }
 });
