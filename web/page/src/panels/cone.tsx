@@ -49,8 +49,8 @@ export function ConePanel() {
         </select>
       </div>
       <Problems of={now.problems} />
+      {isFirst && <p class="remark">First in steps of {COARSE_DEG}°; the maps in steps of {step.value}° are being computed.</p>}
       <Aged age={now.value ? now.age : "current"} count={now.count}>
-        {isFirst && <p class="remark">First in steps of {COARSE_DEG}°; the maps in steps of {step.value}° are being computed.</p>}
         {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
         {now.value?.figures.map(({ name, svg }) => (
           <Drawn

@@ -113,10 +113,10 @@ function Axes() {
           {v.toFixed(1)}
         </text>
       ))}
-      <text class="scale" x={x(0.32)} y={HEIGHT - 4} text-anchor="middle">
+      <text class="scale" x={x(0.35)} y={HEIGHT - 4} text-anchor="middle">
         u′
       </text>
-      <text class="scale" x={6} y={y(0.31)}>
+      <text class="scale" x={6} y={y(0.35) + 4}>
         v′
       </text>
       {NAMED_NM.map((nm) => (
@@ -185,8 +185,10 @@ function Marks({ size }: { size: number }) {
 
 function Key({ size }: { size: number }) {
   const now = view.value;
+  const [step, last] = [18 * size, gamut(pinnedView.value) ? 3 : 2];
+  const top = Math.min(y(0.16), y(0.025) - step * last);
   const line = (text: string, kind: string, at: number) => (
-    <g transform={`translate(${x(0.43) - 30 * size} ${y(0.16) + 18 * size * at})`} key={kind}>
+    <g transform={`translate(${x(0.43) - 30 * size} ${top + step * at})`} key={kind}>
       <path class={kind} d="M0 -4H24" />
       <text class="key" x="31">
         {text}
@@ -205,6 +207,9 @@ function Key({ size }: { size: number }) {
   );
 }
 
+/** Largest factor of the text of a small diagram. */
+const LARGEST = 1.9;
+
 export function Chromaticity() {
   const own = useComputed(() => gamut(view.value));
   const before = useComputed(() => (pinned.value ? gamut(pinnedView.value) : null));
@@ -216,7 +221,7 @@ export function Chromaticity() {
     const fit = () => {
       const { clientWidth, clientHeight } = holder.current ?? { clientWidth: WIDTH, clientHeight: HEIGHT };
       const scale = Math.min((clientWidth || WIDTH) / WIDTH, (clientHeight || HEIGHT) / HEIGHT);
-      size.value = Math.min(1.6, Math.max(1, 1 / scale));
+      size.value = Math.min(LARGEST, Math.max(1, 1 / scale));
       holder.current?.style.setProperty("--size", size.value.toFixed(3));
     };
     const watch = new ResizeObserver(fit);
@@ -238,23 +243,25 @@ export function Chromaticity() {
           ]}
         />
       </figcaption>
-      <div class="canvas" ref={holder}>
-        <Tint />
-        <svg
-          ref={drawing}
-          viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
-          role="img"
-          aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table"
-        >
-          <Axes />
-          <path class="locus" d={OUTLINE} />
-          <path class="srgb" d={path(SRGB)} />
-          <path class="ebu" d={path(EBU)} />
-          {before.value && <path class="pinned-line" d={path(before.value)} />}
-          {own.value && <path class="own" d={path(own.value)} />}
-          <Marks size={size.value} />
-          <Key size={size.value} />
-        </svg>
+      <div class="canvas-room">
+        <div class="canvas" ref={holder}>
+          <Tint />
+          <svg
+            ref={drawing}
+            viewBox={`0 0 ${WIDTH} ${HEIGHT}`}
+            role="img"
+            aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table"
+          >
+            <Axes />
+            <path class="locus" d={OUTLINE} />
+            <path class="srgb" d={path(SRGB)} />
+            <path class="ebu" d={path(EBU)} />
+            {before.value && <path class="pinned-line" d={path(before.value)} />}
+            {own.value && <path class="own" d={path(own.value)} />}
+            <Marks size={size.value} />
+            <Key size={size.value} />
+          </svg>
+        </div>
       </div>
     </figure>
   );

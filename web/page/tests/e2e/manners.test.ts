@@ -217,6 +217,19 @@ for (const [width, height] of [
         .map((e) => e.outerHTML.slice(0, 100)),
     );
     assert.deepEqual(cut, []);
+    // The diagrams are within their figures, and their words can be read.
+    await tool(page, "chromaticity");
+    await settled(page);
+    const diagrams = await page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>("figure.chromaticity")].flatMap((figure) => {
+        const [outer, inner] = [figure, figure.querySelector(".canvas")!].map((e) => e.getBoundingClientRect());
+        const words = [...figure.querySelectorAll("text")].map((text) => text.getBoundingClientRect().height);
+        const isIn = inner!.right <= outer!.right + 1 && inner!.bottom <= outer!.bottom + 1 && inner!.left >= outer!.left - 1;
+        return outer!.width > 0 ? [{ isIn, smallest: Math.min(...words) }] : [];
+      }),
+    );
+    assert.ok(diagrams.length > 0);
+    for (const { isIn, smallest } of diagrams) assert.ok(isIn && smallest >= 9, JSON.stringify(diagrams));
   });
 }
 
