@@ -21,6 +21,10 @@ export const tablesAt = (of: Table, key: string): readonly Table[] => listAt(of,
 /** Returns the key of a variable: its first one. */
 export const keyOf = (variable: Table): string => String(variable["key"] ?? listAt(variable, "keys")[0] ?? variable["name"] ?? "");
 
+/** Returns all keys that a variable changes. */
+export const keysOfVariable = (variable: Table): string[] =>
+  [variable["key"], ...listAt(variable, "keys"), variable["compensated_by"]].filter((key) => typeof key === "string");
+
 /** Returns the list with an entry replaced, or removed if it is null. */
 export const replaced = (all: readonly Table[], index: number, to: Table | null): Table[] =>
   all.flatMap((one, i) => (i !== index ? [one] : to ? [to] : []));

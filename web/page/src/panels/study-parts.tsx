@@ -4,7 +4,8 @@ import { useSignal } from "@preact/signals";
 
 import type { Table } from "../model/json.ts";
 import { numberFrom, replaced } from "../model/study.ts";
-import { isValue } from "../model/metrics.ts";
+import { isValue, metricsOf } from "../model/metrics.ts";
+import { view } from "../state/design.ts";
 import { startJob } from "../state/jobs.ts";
 import { labelText } from "../state/labels.ts";
 import type { OwnStudy } from "../state/own-study.ts";
@@ -108,6 +109,14 @@ export function withKey(table: Table, key: string, value: Table[string] | null):
 
 const number = (value: Table[string] | undefined): number | undefined => (typeof value === "number" ? value : undefined);
 
+/** Returns the present value of a metric, rounded down to two digits: a limit to start from. */
+function nearValue(metric: string): number {
+  const value = view.value === null ? null : metricsOf(view.value).get(metric);
+  if (typeof value !== "number" || value <= 0) return 0;
+  const unit = 10 ** (Math.floor(Math.log10(value)) - 1);
+  return Number((Math.floor(value / unit + 1e-9) * unit).toPrecision(2));
+}
+
 /** Limits on metrics: `constraints` of a search, `limits` of a tolerance analysis. */
 export function Limits({ study, list, title, about }: { study: OwnStudy; list: string; title: string; about: string }) {
   const all = study.list(list);
@@ -137,7 +146,7 @@ export function Limits({ study, list, title, about }: { study: OwnStudy; list: s
           </div>
         );
       })}
-      <MetricPicker label={`Add a limit: ${title.toLowerCase()}`} names={metricNames()} chosen="" choose={(metric) => study.put(list, [...all, { metric, at_least: 0 }])}>
+      <MetricPicker label={`Add a limit: ${title.toLowerCase()}`} names={metricNames()} chosen="" choose={(metric) => study.put(list, [...all, { metric, at_least: nearValue(metric) }])}>
         Add a limit
       </MetricPicker>
     </fieldset>

@@ -6,15 +6,15 @@ import type { Edit, FitDone, FitProgress } from "../api/types.ts";
 import { OF_METER, variablesOf, written, type FitVariable } from "../model/fit.ts";
 import { isSamePath } from "../model/json.ts";
 import { numbers } from "../model/keys.ts";
-import { present } from "./age.ts";
+import { keysOfVariable } from "../model/study.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds, files } from "./files.ts";
 import { edit } from "./live.ts";
 import { startJob } from "./jobs.ts";
 import { ready } from "./ready.ts";
-import { ageOfRun, type Revision } from "./revision.ts";
 import { lineFor } from "./sweep.ts";
 import { showTab } from "./tab.ts";
+import { varied } from "./varied.ts";
 import { long } from "./work.ts";
 
 export const fit = long();
@@ -67,10 +67,9 @@ export function addVariable(): void {
 
 export const progress = signal<FitProgress | null>(null);
 export const done = signal<FitDone | null>(null);
-/** The design, the measured files and the variables of the result. */
-const fittedOf = signal<Revision>("");
+const fitted = varied();
 /** The age of the result. */
-export const age = computed(() => ageOfRun(fittedOf.value, present.value));
+export const age = fitted.age;
 /** The names of the measured files of the result. */
 export const fittedTo = signal<readonly string[]>([]);
 
@@ -88,7 +87,7 @@ export function keep(): void {
 
 export async function run(): Promise<void> {
   if (!(await ready("fitted"))) return;
-  fittedOf.value = present.value.revision;
+  fitted.begin(variables.value.flatMap(({ key, more }) => keysOfVariable({ ...more, key })));
   fittedTo.value = used.value;
   [progress.value, done.value] = [null, null];
   const ids = used.value.map((name) => fileIds.value[name]!);

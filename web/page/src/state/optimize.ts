@@ -5,16 +5,15 @@ import { computed, signal } from "@preact/signals";
 import type { Edit, FoundDesign, OptimizeDone, OptimizeProgress } from "../api/types.ts";
 import { isSamePath, type Table } from "../model/json.ts";
 import { numbers } from "../model/keys.ts";
-import { keyOf } from "../model/study.ts";
-import { present } from "./age.ts";
+import { keyOf, keysOfVariable } from "../model/study.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
 import { chosen } from "./numbers.ts";
 import { ownStudy } from "./own-study.ts";
 import { ready } from "./ready.ts";
-import { ageOfRun, type Revision } from "./revision.ts";
 import { lineFor } from "./sweep.ts";
+import { varied } from "./varied.ts";
 import { long } from "./work.ts";
 
 export const search = long();
@@ -63,15 +62,15 @@ export const progress = signal<OptimizeProgress | null>(null);
 /** The best designs of the searches so far. */
 export const found = signal<readonly FoundDesign[]>([]);
 export const done = signal<OptimizeDone | null>(null);
-const searchedOf = signal<Revision>("");
+const searched = varied();
 /** The age of the result. */
-export const age = computed(() => ageOfRun(searchedOf.value, present.value));
+export const age = searched.age;
 /** The index of the design that is selected in the result. */
 export const selectedDesign = signal(0);
 
 export async function run(): Promise<void> {
   if (!(await ready("optimised"))) return;
-  searchedOf.value = present.value.revision;
+  searched.begin(study.list("variables").flatMap(keysOfVariable));
   [progress.value, done.value, found.value, selectedDesign.value] = [null, null, [], 0];
   const work = { scenario: text.value, files: fileIds.value };
   await search.start("optimize", work, study.isOfFile.value ? [] : study.asEdits(), (event, data) => {

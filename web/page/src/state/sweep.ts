@@ -6,14 +6,13 @@ import type { Edit, SweepDone, SweepPoint } from "../api/types.ts";
 import { axesOf, spaced, written, type Axis, type Line } from "../model/axes.ts";
 import { at, isSamePath, listAt, type Json } from "../model/json.ts";
 import { leaves, numbers } from "../model/keys.ts";
-import { present } from "./age.ts";
 import { fields, selected, states, text, view } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { edit } from "./live.ts";
 import { isOfPixels } from "./metrics.ts";
 import { startJob } from "./jobs.ts";
 import { ready } from "./ready.ts";
-import { ageOfRun, type Revision } from "./revision.ts";
+import { varied } from "./varied.ts";
 import { long } from "./work.ts";
 
 export const sweep = long();
@@ -40,9 +39,9 @@ export const points = signal<readonly SweepPoint[]>([]);
 export const done = signal<SweepDone | null>(null);
 /** The axes and the design to which the points belong. */
 export const swept = signal<readonly Axis[]>([]);
-const sweptOf = signal<Revision>("");
+const sweptDesign = varied();
 /** The age of the points. */
-export const age = computed(() => ageOfRun(sweptOf.value, present.value));
+export const age = sweptDesign.age;
 /** The index of the point that is selected in the plot. */
 export const selectedPoint = signal<number | null>(null);
 
@@ -103,7 +102,7 @@ export function keep(): void {
 export async function run(): Promise<void> {
   if (!(await ready("swept"))) return;
   swept.value = axes.value;
-  sweptOf.value = present.value.revision;
+  sweptDesign.begin(axes.value.flat().map(({ path }) => path));
   points.value = [];
   done.value = null;
   selectedPoint.value = null;

@@ -82,8 +82,8 @@ test("variables are chosen on the page, and what the data cannot tell apart has 
   for (let i = 0; i < 8; i++) await panel(page).getByRole("button", { name: "Remove variable 0" }).click();
   assert.ok(await panel(page).getByRole("button", { name: "Fit 0 variables" }).isDisabled());
   for (const [number, key] of [
-    [1, "display.pixel.fill_factor"],
-    [2, "display.pixel.film.1.thickness_nm"],
+    [0, "display.pixel.fill_factor"],
+    [1, "display.pixel.film.1.thickness_nm"],
   ] as const) {
     await panel(page).getByRole("button", { name: "Add a variable" }).click();
     await panel(page).getByLabel(`Key of variable ${number}`).selectOption(key);

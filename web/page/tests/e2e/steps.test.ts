@@ -160,6 +160,15 @@ test("search set up by clicks finds a front, a point of which is taken; it equal
   await settled(page);
   const taken = /"Cr:Johnson"[^}]*?thickness_nm = ([\d.]+)/.exec(await saved(page));
   assert.ok(taken && Math.abs(Number(taken[1]) - Number(thickness)) < 1e-4, `${taken?.[1]} ${thickness}`);
+  // Another point of the same front can be taken after it; not after another change.
+  await page.locator('[data-design="0"]').click();
+  await page.getByRole("button", { name: "Take this design" }).click();
+  await settled(page);
+  assert.notEqual(/"Cr:Johnson"[^}]*?thickness_nm = ([\d.]+)/.exec(await saved(page))?.[1], taken[1]);
+  await page.locator('[data-part="display.glass"]').click();
+  await type(page, "display.glass.index", "1.52");
+  await page.locator('#tab-panel .age-mark[data-age="earlier"]').waitFor();
+  assert.ok(await page.getByRole("button", { name: "Take this design" }).isDisabled());
   assert.deepEqual(on.complaints, []);
 });
 
