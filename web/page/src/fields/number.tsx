@@ -108,12 +108,12 @@ export function NumberField(props: Props) {
           value={shown}
           placeholder={props.placeholder ?? ""}
           aria-invalid={invalid || bad}
-          aria-describedby={describedBy}
+          aria-describedby={[unit && `${id}-unit`, describedBy].filter(Boolean).join(" ") || undefined}
           onInput={(event) => take(event.currentTarget.value)}
           onKeyDown={nudge}
           onBlur={() => (typed.value = null)}
         />
-        {unit && <span class="unit">{unit}</span>}
+        {unit && <span class="unit" id={`${id}-unit`}>{unit}</span>}
       </span>
       {bad && (
         <p class="error" role="alert">

@@ -1,16 +1,24 @@
 // Files that are chosen or dropped: scenarios, surfaces and benches are opened, all others are sent to the server and audited.
 
 import { openBench } from "../state/bench.ts";
-import { add } from "../state/files.ts";
+import { comparedPanel } from "../state/choices.ts";
+import { add, files } from "../state/files.ts";
 import { pictureName } from "../state/image.ts";
 import { open } from "../state/open.ts";
 import { open as openSurface } from "../state/surface.ts";
 import { readable } from "../state/photograph.ts";
 import { said } from "../state/said.ts";
-import { showTab } from "../state/tab.ts";
+import { openTab, showTab } from "../state/tab.ts";
 
 /** Maximum length of a scenario, bytes; longer files are treated as data. */
 const LONGEST = 256 * 1024;
+
+/** The kinds of files that tools use. */
+const USES: Readonly<Record<string, readonly string[]>> = {
+  compare: ["panel"],
+  fit: ["panel", "spectrum", "material"],
+  diffuser: ["bsdf"],
+};
 
 /** Whether a file is a surface, and not the scenario of a display. */
 const isSurface = (text: string): boolean => /^\s*\[microgeometry\b/m.test(text) && !/^\s*\[+display\b/m.test(text);
@@ -39,8 +47,13 @@ export async function take(given: readonly File[], stays = false): Promise<void>
       if (await add(file.name, bytes)) pictureName.value = file.name;
       else showTab("files");
     } else {
-      if (!stays) showTab("files");
+      // A tool that uses the file stays open.
+      const of = USES[openTab.value] ?? [];
+      if (!stays && of.length === 0) showTab("files");
       await add(file.name, file);
+      const kind = files.value.find(({ name }) => name === file.name)?.audit?.kind;
+      if (!stays && of.length > 0 && !(kind && of.includes(kind))) showTab("files");
+      if (kind === "panel" && openTab.value === "compare") comparedPanel.value = file.name;
     }
   }
 }

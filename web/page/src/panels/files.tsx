@@ -46,6 +46,7 @@ function asFilm(file: Dropped): { label: string; edits: Edit[] }[] {
 }
 
 function size(bytes: number): string {
+  if (bytes < 1000) return `${bytes} bytes`;
   return bytes < 1e5 ? `${(bytes / 1e3).toFixed(1)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
 }
 

@@ -71,6 +71,23 @@ test("file above the size limit is refused before it is sent", async () => {
   await page.locator(".file .error", { hasText: "too large" }).waitFor();
 });
 
+test("file that the open tool uses keeps it open; another one is shown under Files", async () => {
+  const page = await on.visit();
+  const panel = (Y: number) => Buffer.from(`state,X,Y,Z\nwhite,0.5,${Y},0.6\nblack,0.02,0.03,0.04\n`);
+  for (const [file, Y] of [["first.csv", 0.51], ["second.csv", 0.52]] as const) {
+    await tool(page, "compare");
+    await drop(page, file, panel(Y));
+    await page.getByRole("combobox", { name: "Measured panel" }).filter({ hasText: file }).waitFor();
+    assert.equal(await page.locator(".middle").getAttribute("data-tool"), "compare");
+    assert.equal(await page.getByRole("combobox", { name: "Measured panel" }).inputValue(), file);
+    await page.locator(".tool-command code", { hasText: `papilio compare indoor-reading.toml ${file}` }).waitFor();
+  }
+  await drop(page, "lamp.csv", data("rgb-led.csv"));
+  await page.locator('.middle[data-tool="files"]').waitFor();
+  await page.locator(".file", { hasText: "lamp.csv" }).waitFor();
+  assert.match(await page.locator(".file", { hasText: "first.csv" }).locator("header").innerText(), /measured panel, 5\d bytes/);
+});
+
 test("two tabs keep different files with the same name", async () => {
   const one = await on.visit();
   const two = await one.context().newPage();

@@ -112,6 +112,24 @@ test("keyboard alone changes a source and a field and selects a layer and a tab"
   assert.deepEqual(on.complaints, []);
 });
 
+test("boxes of numbers are described by their units and their help", async () => {
+  const page = await on.visit();
+  await page.getByRole("button", { name: "Pixel", exact: true }).click();
+  const described = await page.locator(".editor .box input").evaluateAll((all) =>
+    all.map((box) => {
+      const ids = box.getAttribute("aria-describedby")?.split(" ") ?? [];
+      const label = document.querySelector(`label[for="${CSS.escape(box.id)}"]`)?.textContent ?? box.getAttribute("aria-label");
+      return { label, unit: box.parentElement!.querySelector(".unit")?.textContent ?? "", words: ids.map((id) => document.getElementById(id)?.textContent ?? "") };
+    }),
+  );
+  assert.ok(described.length > 5);
+  for (const { label, unit, words } of described) {
+    assert.ok(label, "a box without a label");
+    assert.ok(unit === "" || words.includes(unit), `${label} is read without its unit ${unit}: ${words.join()}`);
+  }
+  assert.ok(described.some(({ label, unit }) => label === "red" && unit === "nm"));
+});
+
 test("moving through a menu selects nothing, and the focus returns to its button", async () => {
   const page = await on.visit();
   const scenario = await saved(page);
