@@ -61,10 +61,8 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     let title = resolved.title.clone().unwrap_or_else(|| report::file_title(&arguments.scenario.file));
     let mut stdout = crate::terminal::output(arguments.json);
     if arguments.json {
-        write_json(
-            &mut stdout,
-            &json::PixelJson::new(&title, &resolved.hash, &notes, medium, &scan, absorption.as_ref()),
-        )?;
+        let (of, said) = ([&title[..], &resolved.hash], [&notes[..], &resolved.warnings]);
+        write_json(&mut stdout, &json::PixelJson::new(of, said, medium, &scan, absorption.as_ref()))?;
     } else {
         stdout.write_all(
             report::pixel(&title, medium, &peaks(&scene, &scan), scan.phi_deg.first().copied()).as_bytes(),

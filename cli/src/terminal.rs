@@ -78,6 +78,11 @@ pub(crate) fn print_warnings(warnings: &[String]) {
     warnings.iter().for_each(|warning| print_message(&format!("warning: {warning}")));
 }
 
+/// Those that are not among others, which were printed before.
+pub(crate) fn not_in(all: &[String], others: &[String]) -> Vec<String> {
+    all.iter().filter(|one| !others.contains(one)).cloned().collect()
+}
+
 /// A writer that escapes control characters, in pieces of at least [`PIECE`] bytes.
 struct EscapingWriter<W: Write> {
     to: W,

@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use crate::arguments::Compare;
 use crate::numbers::digits;
-use crate::{Failure, interrupt, numbers, output, print_message, print_notes, report};
+use crate::{Failure, interrupt, numbers, output, print_message, print_notes, print_warnings, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let out = match (&arguments.out, arguments.json) {
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     };
     out.as_deref().map_or(Ok(()), output::check)?;
     let (measured, of_files) = measurement(&arguments.measured)?;
-    let (result, read, mut notes) = simulated::read(arguments, &measured)?;
+    let (result, mut read, mut notes) = simulated::read(arguments, &measured)?;
     let suggestion = suggestion(&read.simulated, &measured.states);
     let all = compare_measurement(&read.simulated, &measured).map_err(|error| {
         let usual = match measured.states.as_slice() {
@@ -46,7 +46,9 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let title = read.title.unwrap_or_else(|| report::file_title(&result));
     let heading = heading(&title, read.hash.as_deref(), &result, &arguments.measured);
     notes.extend(of_files.iter().cloned());
-    let file = ComparisonFile { notes: &notes, all: &all };
+    let in_percent = all.looks_like_percent().then(|| IN_PERCENT.to_owned());
+    read.warnings.extend(in_percent.clone());
+    let file = ComparisonFile { warnings: &read.warnings, notes: &notes, all: &all };
     let written = out
         .as_deref()
         .map(|folder| interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png)))
@@ -64,9 +66,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     print_notes(&of_files);
     print_notes(&all.left_out);
     suggestion.iter().for_each(|help| print_message(&format!("  = help: {help}")));
-    if all.looks_like_percent() {
-        print_message(&format!("warning: {IN_PERCENT}"));
-    }
+    print_warnings(in_percent.as_slice());
     Ok(())
 }
 
@@ -115,6 +115,8 @@ fn open(path: &Path) -> Result<DataFile, Failure> {
 /// Content of `comparison.json`.
 #[derive(Debug, Serialize)]
 struct ComparisonFile<'a> {
+    /// Warnings of the scenario and of its result, and what may be wrong with the measurement.
+    warnings: &'a [String],
     /// Notes on the scenario, and on how the measurement was read.
     notes: &'a [String],
     #[serde(flatten)]

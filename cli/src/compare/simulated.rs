@@ -35,6 +35,7 @@ pub(super) fn read(
         return Err(without_result(path));
     }
     let read = read_result_with(&super::open(&file)?, &measured.metrics).map_err(Failure::Data)?;
+    print_warnings(&read.warnings);
     Ok((file, read, Vec::new()))
 }
 
@@ -69,6 +70,7 @@ fn computed(arguments: &Compare, measured: &Measurement) -> Result<(ReadResult, 
     let result = with_progress(&resolved, threads, |control| papilio_display::run(&resolved.scene, control))?;
     let result = result.filter(|result| !result.solver.interrupted).ok_or(INTERRUPTED)?;
     print_warnings(&result.warnings);
+    let warnings = [&resolved.warnings[..], &result.warnings].concat();
     let mut simulated = Simulated::of(&result, &resolved.scene).ok_or_else(|| {
         Failure::Input(format!(
             "{}: all of its light comes from the front light, so it has no reflectance factors to compare",
@@ -80,7 +82,8 @@ fn computed(arguments: &Compare, measured: &Measurement) -> Result<(ReadResult, 
     if scenario.has_tolerance() {
         add_spread(&mut simulated, measured, path, arguments)?;
     }
-    let read = ReadResult { title: resolved.title.clone(), hash: Some(resolved.hash.clone()), simulated };
+    let (title, hash) = (resolved.title.clone(), Some(resolved.hash.clone()));
+    let read = ReadResult { title, hash, warnings, simulated };
     Ok((read, resolved.notes.clone()))
 }
 

@@ -16,6 +16,7 @@ use papilio_scenario::{Edit, Fit, edit};
 use crate::arguments::FitCommand;
 use crate::compare::{measurement, names_of};
 use crate::progress::FractionBar;
+use crate::terminal::not_in;
 use crate::{Failure, costs, folder, input, interrupt, output, print_message, print_notes, print_warnings};
 
 /// Files of an earlier fit, besides figures.
@@ -81,11 +82,6 @@ pub(crate) fn run(arguments: &FitCommand) -> Result<(), Failure> {
     print_warnings(&warnings);
     print_notes(&of_fit);
     Ok(())
-}
-
-/// Those that are not among others.
-fn not_in(all: &[String], others: &[String]) -> Vec<String> {
-    all.iter().filter(|one| !others.contains(one)).cloned().collect()
 }
 
 fn interrupted(error: DesignError) -> Failure {

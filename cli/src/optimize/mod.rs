@@ -24,7 +24,8 @@ use papilio_scenario::{Edit, Optimisation, edit};
 use self::check::{SolverComparison, check};
 use crate::arguments::Optimize;
 use crate::progress::FractionBar;
-use crate::{Failure, costs, input, interrupt, output, print_message, print_notes};
+use crate::terminal::not_in;
+use crate::{Failure, costs, input, interrupt, output, print_message, print_notes, print_warnings};
 
 /// Fraction of the progress that is the search, about; the rest is the check of its designs.
 const SEARCH: f64 = 0.8;
@@ -38,8 +39,10 @@ pub(crate) fn run(arguments: &Optimize) -> Result<(), Failure> {
     let searches = if optimisation.objectives.len() > 1 { optimisation.points } else { 1 };
     let count = (optimisation.evaluations * searches * optimisation.conditions.len().max(1)) as f64;
     let paths = optimisation.variables.iter().flat_map(|one| one.keys.iter().map(|key| key.path.as_str()));
+    let own = costs::own(&arguments.scenario.file, &arguments.scenario.set)?;
+    print_warnings(&not_in(&optimisation.warnings, &own.warnings));
     costs::check_evaluations(
-        &costs::own(&arguments.scenario.file, &arguments.scenario.set)?,
+        &own,
         (count, "designs", "optimize.evaluations, optimize.points"),
         costs::are_of_film(paths),
         0.0,

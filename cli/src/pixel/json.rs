@@ -24,6 +24,7 @@ pub(super) struct PixelJson<'a> {
     papilio: &'static str,
     title: &'a str,
     hash: &'a str,
+    warnings: &'a [String],
     notes: &'a [String],
     /// Medium of the angles: `air` or `glass`.
     angles: &'a str,
@@ -62,9 +63,8 @@ struct SubPixelJson<'a> {
 
 impl<'a> PixelJson<'a> {
     pub(super) fn new(
-        title: &'a str,
-        hash: &'a str,
-        notes: &'a [String],
+        [title, hash]: [&'a str; 2],
+        [notes, warnings]: [&'a [String]; 2],
         angles: &'a str,
         scan: &'a PixelScan,
         absorption: Option<&'a PixelAbsorption>,
@@ -78,6 +78,7 @@ impl<'a> PixelJson<'a> {
             papilio: env!("CARGO_PKG_VERSION"),
             title,
             hash,
+            warnings,
             notes,
             angles,
             theta_deg: &scan.theta_deg,

@@ -30,7 +30,7 @@ pub(super) fn run(
     arguments: &SweepRun,
     outputs: &SweepOutputs,
     sweep: &Sweep,
-    light: LightSweep,
+    (light, warnings): (LightSweep, &[String]),
     folder: &Path,
 ) -> Result<(), Failure> {
     let mut head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));
@@ -72,7 +72,7 @@ pub(super) fn run(
         return Ok(());
     }
     let all: Vec<&[f64]> = mine.iter().filter_map(|point| rows.get(*point)).collect();
-    finish(folder, &head, sweep.notes(), &all, outputs)
+    finish(folder, &head, [sweep.notes(), warnings], &all, outputs)
 }
 
 /// Merges the journals of shards; false if the folders contain no journal of a compact sweep.
@@ -89,14 +89,14 @@ pub(super) fn merged(arguments: &SweepMerge) -> Result<bool, Failure> {
     merge::complete(head.points(), |point| rows.contains_key(&point))?;
     let all: Vec<&[f64]> = rows.values().map(Vec::as_slice).collect();
     let out = merge::folder(arguments)?;
-    finish(out, &head, &[], &all, &arguments.outputs).map(|()| true)
+    finish(out, &head, [&[]; 2], &all, &arguments.outputs).map(|()| true)
 }
 
 /// Writes the table and figures, and prints the report.
 fn finish(
     folder: &Path,
     head: &SweepHead,
-    notes: &[String],
+    said: [&[String]; 2],
     rows: &[&[f64]],
     outputs: &SweepOutputs,
 ) -> Result<(), Failure> {
@@ -127,7 +127,7 @@ fn finish(
     })?;
     let mut stdout = crate::terminal::output(outputs.json);
     if outputs.json {
-        write_light_json(&mut stdout, head, notes, rows)?;
+        write_light_json(&mut stdout, head, said, rows)?;
     } else {
         stdout.write_all(table::sweep_table(head, &refs, rows.len()).as_bytes())?;
     }

@@ -10,6 +10,7 @@ mod light;
 mod merge;
 mod table;
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
@@ -57,8 +58,10 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     }
     let mut sweep = input::scenario::<Sweep>(&arguments.file, &overrides)?;
     print_notes(sweep.notes());
-    for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
-        sweep.scenario(point)?.resolve()?;
+    let samples: Vec<usize> = sweep.samples().into_iter().take(MOST_SAMPLES).collect();
+    let mut warnings = Vec::new();
+    for point in &samples {
+        warnings.extend(sweep.scenario(*point)?.resolve()?.warnings);
     }
     let light = sweep.light()?;
     if light.is_none() {
@@ -75,7 +78,10 @@ fn run(arguments: &SweepRun, outputs: &Outputs) -> Result<(), Failure> {
     output::check(&folder)?;
     output::make_folder(&folder)?;
     if let Some(light) = light {
-        return light::run(arguments, outputs, &sweep, light, &folder);
+        // Its points keep numbers alone.
+        terminal::print_counted(warnings.iter().map(String::as_str), samples.len(), "checked points");
+        let warnings: Vec<String> = BTreeSet::from_iter(warnings).into_iter().collect();
+        return light::run(arguments, outputs, &sweep, (light, &warnings), &folder);
     }
     note_size(&sweep);
     let head = sweep.head(env!("CARGO_PKG_VERSION"), &report::file_title(&arguments.file));

@@ -47,3 +47,4 @@ mod serve;
 mod sparkle;
 mod sweep;
 mod tolerance;
+mod warnings;

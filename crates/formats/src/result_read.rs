@@ -21,6 +21,8 @@ pub struct ReadResult {
     pub title: Option<String>,
     /// SHA-256 of the scenario and its input files; `None` in a file that another program has written.
     pub hash: Option<String>,
+    /// Warnings of the scenario and of the run.
+    pub warnings: Vec<String>,
     /// The quantities that can be compared.
     pub simulated: Simulated,
 }
@@ -30,6 +32,8 @@ struct File {
     #[serde(default)]
     scenario: Scenario,
     hash: Option<String>,
+    #[serde(default)]
+    warnings: Vec<String>,
     wavelength_nm: Vec<f64>,
     illuminant: Illuminant,
     views: Vec<View>,
@@ -224,7 +228,7 @@ fn simulated(read: File) -> Result<ReadResult, &'static str> {
         observer,
         views: views.collect(),
     };
-    Ok(ReadResult { title: read.scenario.title, hash: read.hash, simulated })
+    Ok(ReadResult { title: read.scenario.title, hash: read.hash, warnings: read.warnings, simulated })
 }
 
 #[cfg(test)]

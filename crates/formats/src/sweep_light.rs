@@ -55,23 +55,24 @@ pub fn light_points(head: &SweepHead, rows: &[&[f64]]) -> Vec<SweepPoint> {
     rows.iter().enumerate().map(point).collect()
 }
 
-/// Writes a compact sweep as JSON, with the notes on its scenario. `rows` holds those of all points in order.
+/// Writes a compact sweep as JSON, with the notes on its scenario and its warnings. `rows` holds those of all points in order.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_light_json(
     out: impl Write,
     head: &SweepHead,
-    notes: &[String],
+    [notes, warnings]: [&[String]; 2],
     rows: &[&[f64]],
 ) -> io::Result<()> {
-    write_json(out, &Whole { head, notes, points: Points { head, rows } })
+    write_json(out, &Whole { head, warnings, notes, points: Points { head, rows } })
 }
 
 #[derive(Serialize)]
 struct Whole<'a> {
     #[serde(flatten)]
     head: &'a SweepHead,
+    warnings: &'a [String],
     notes: &'a [String],
     points: Points<'a>,
 }

@@ -52,6 +52,8 @@ pub struct Tolerance {
     /// SHA-256 of everything that determines the results of a display, except its index: the scenario, the
     /// keys, the seed, the metrics.
     pub hash: String,
+    /// Warnings of the scenario.
+    pub warnings: Vec<String>,
     /// One note for each old name of a key or a value.
     pub notes: Vec<String>,
 }
@@ -141,6 +143,7 @@ impl Tolerance {
             metrics,
             limits,
             hash: sha256(means.to_string().as_bytes()),
+            warnings: resolved.warnings,
             notes: base.notes()?,
             varied: ParameterisedScenario::new(base, Vec::new(), places),
         })

@@ -68,6 +68,8 @@ pub(super) struct PixelScanned {
     tables: Vec<Table>,
     /// The figures that it draws.
     figures: Vec<Figure>,
+    /// Its warnings.
+    warnings: Vec<String>,
     /// Its notes.
     notes: Vec<String>,
 }
@@ -151,5 +153,6 @@ fn scanned(
         let svg = papilio_figures::absorption(&absorbed, medium, title);
         figures.push(Figure { name: "absorption".to_owned(), svg });
     }
-    Ok(PixelScanned { angles: medium, tables, figures, notes: resolved.notes.clone() })
+    let (warnings, notes) = (resolved.warnings.clone(), resolved.notes.clone());
+    Ok(PixelScanned { angles: medium, tables, figures, warnings, notes })
 }

@@ -1,6 +1,6 @@
 //! The endpoint `/sweep`: the results of a scenario at the points of its `[sweep]`, as a stream of events.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use papilio_design::{DesignError, Evaluator, LightStudy};
 use papilio_display::Control;
@@ -56,17 +56,17 @@ pub(super) struct SweepDone {
     csv: String,
     /// The figures of `sweep.figures`, as `papilio sweep` draws them.
     figures: Vec<Figure>,
-    /// The warnings of all points, without repetitions.
+    /// The warnings of all points, without repetitions; if the sweep names its `metrics`, those of the points that are checked first.
     warnings: Vec<String>,
 }
 
 pub(super) async fn sweep(site: Site, given: Given) -> Result<Events, Fault> {
     let server = site.clone();
-    let (sweep, light) = site.quick().work(move |_| read_sweep(&server, &given)).await?;
+    let (sweep, light, warnings) = site.quick().work(move |_| read_sweep(&server, &given)).await?;
     let server = site.clone();
     events::start(site.streamed(), move |events| {
         let done = match light {
-            Some(light) => named_metrics(&sweep, light, events),
+            Some(light) => named_metrics(&sweep, light, warnings, events),
             None => all_metrics(&server, &sweep, events),
         };
         done.unwrap_or_else(|fault| SweepEvent::Failed(fault.body))
@@ -74,8 +74,9 @@ pub(super) async fn sweep(site: Site, given: Given) -> Result<Events, Fault> {
     .await
 }
 
-/// Reads a sweep and checks that each of its values can be used. The second value is the sweep of the metrics that it names.
-fn read_sweep(site: &Site, given: &Given) -> Result<(Sweep, Option<LightSweep>), Fault> {
+/// Reads a sweep and checks that each of its values can be used. Returns also the sweep of the metrics that it names, and the
+/// warnings of the points that are checked.
+fn read_sweep(site: &Site, given: &Given) -> Result<(Sweep, Option<LightSweep>, Vec<String>), Fault> {
     let library = given.library(site)?;
     let set = given.overrides(&library, Solver::Adding)?;
     let mut sweep = Sweep::from_text(&given.scenario, "scenario", library, &set)?;
@@ -83,11 +84,14 @@ fn read_sweep(site: &Site, given: &Given) -> Result<(Sweep, Option<LightSweep>),
         let message = format!("{} points are too many for the page: at most {MOST_POINTS}", sweep.len());
         return Err(Fault::too_much(message, "choose fewer values on an axis, or use `papilio sweep`"));
     }
+    let mut warnings = BTreeSet::new();
     for point in sweep.samples().into_iter().take(MOST_SAMPLES) {
-        check_work(&sweep.scenario(point)?.resolve()?, Solver::Adding)?;
+        let resolved = sweep.scenario(point)?.resolve()?;
+        check_work(&resolved, Solver::Adding)?;
+        warnings.extend(resolved.warnings);
     }
     let light = sweep.light()?;
-    Ok((sweep, light))
+    Ok((sweep, light, warnings.into_iter().collect()))
 }
 
 /// Computes the metrics of colours of all points.
@@ -116,7 +120,12 @@ fn all_metrics(site: &Site, sweep: &Sweep, events: &EventSender) -> Result<Sweep
 }
 
 /// Computes the metrics that the sweep names, which may be those of pixels: sharpness, crosstalk and sparkle.
-fn named_metrics(sweep: &Sweep, light: LightSweep, events: &EventSender) -> Result<SweepEvent, Fault> {
+fn named_metrics(
+    sweep: &Sweep,
+    light: LightSweep,
+    warnings: Vec<String>,
+    events: &EventSender,
+) -> Result<SweepEvent, Fault> {
     let mut head = sweep.head(env!("CARGO_PKG_VERSION"), "");
     let (views, hash) = (light.views.clone(), light.hash.clone());
     let study = LightStudy::new(light);
@@ -136,7 +145,7 @@ fn named_metrics(sweep: &Sweep, light: LightSweep, events: &EventSender) -> Resu
     let points = light_points(&head, &rows);
     let csv = text(|out| write_light_csv(out, &head, &rows))?;
     let figures = drawn(&head, &points.iter().collect::<Vec<_>>());
-    Ok(SweepEvent::Done(SweepDone { csv, figures, warnings: Vec::new() }))
+    Ok(SweepEvent::Done(SweepDone { csv, figures, warnings }))
 }
 
 /// Error of a point, with its place in the scenario if it has one.

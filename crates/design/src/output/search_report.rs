@@ -18,6 +18,8 @@ pub struct SearchReport {
     pub title: String,
     /// SHA-256 of all inputs of the search.
     pub search: String,
+    /// Warnings of the scenario and its conditions.
+    pub warnings: Vec<String>,
     /// Notes on how the scenario was interpreted.
     pub notes: Vec<String>,
     /// Number of evaluated designs.
@@ -69,6 +71,7 @@ impl SearchReport {
             papilio: env!("CARGO_PKG_VERSION").to_owned(),
             title: title.to_owned(),
             search: search.spec().hash.clone(),
+            warnings: search.spec().warnings.clone(),
             notes: search.spec().notes.clone(),
             evaluations: results.iter().map(|one| one.evaluations).sum(),
             objectives: search.spec().objectives.iter().map(|one| one.name.clone()).collect(),

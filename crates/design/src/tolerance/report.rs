@@ -21,6 +21,8 @@ pub struct Report {
     pub samples: usize,
     /// Number of rows from which sensitivities are computed.
     pub sensitivity_samples: usize,
+    /// Warnings of the scenario.
+    pub warnings: Vec<String>,
     /// Notes on how the scenario was interpreted.
     pub notes: Vec<String>,
     /// Varied keys, in groups of correlated ones.
@@ -124,6 +126,7 @@ impl Report {
         Self {
             samples: rows.len(),
             sensitivity_samples: sensitivity_rows.len(),
+            warnings: tolerance.warnings.clone(),
             notes: tolerance.notes.clone(),
             groups: groups.iter().map(|group| group.iter().map(name).collect()).collect(),
             limits: tolerance

@@ -33,6 +33,8 @@ pub struct Optimisation {
     pub title: Option<String>,
     /// SHA-256 of the search, of the scenarios of its conditions, and of their files.
     pub hash: String,
+    /// Warnings of the scenario, then those that only its conditions have.
+    pub warnings: Vec<String>,
     /// One note for each old name of a key or a value.
     pub notes: Vec<String>,
 }

@@ -150,6 +150,12 @@ impl Reader {
             false => Ok(Vec::new()),
         }?;
         let hash = hash(spec, &scenes, &pictured);
+        let mut warnings = self.base.scenario(&[])?.resolve()?.warnings;
+        for one in scenes.into_iter().flat_map(|one| one.warnings) {
+            if !warnings.contains(&one) {
+                warnings.push(one);
+            }
+        }
         Ok(Optimisation {
             method: spec.method.0,
             starts: spec.starts.0 as usize,
@@ -162,6 +168,7 @@ impl Reader {
             constraints: constraints.concat(),
             title,
             hash,
+            warnings,
             notes: [self.base.notes()?, self.file_notes].concat(),
         })
     }
@@ -389,6 +396,7 @@ pub(super) struct ConditionScene {
     pub(super) scene: Scene,
     pub(super) states: Vec<String>,
     hash: String,
+    warnings: Vec<String>,
 }
 
 /// Resolves the scenario of a condition at the starting point.
@@ -398,7 +406,7 @@ fn condition_scene(
 ) -> Result<ConditionScene, ScenarioErrors> {
     let resolved = at_start(varied, found)?.resolve()?;
     let states = resolved.scene.display.state_names();
-    Ok(ConditionScene { scene: resolved.scene, states, hash: resolved.hash })
+    Ok(ConditionScene { scene: resolved.scene, states, hash: resolved.hash, warnings: resolved.warnings })
 }
 
 /// The hash of a condition at the starting point, with the picture of `[image]`.

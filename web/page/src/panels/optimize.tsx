@@ -260,6 +260,11 @@ function Result({ of }: { of: OptimizeDone }) {
         <Downloads name="optimize" table={() => of.csv} />
       </div>
       <DesignTable report={report} />
+      {report.warnings.map((warning) => (
+        <p class="remark warning" key={warning}>
+          Warning: {warning}
+        </p>
+      ))}
       {of.notes.map((note) => (
         <p class="remark" key={note}>
           Note: {note}

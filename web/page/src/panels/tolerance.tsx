@@ -176,6 +176,11 @@ function Result({ of }: { of: ToleranceDone }) {
           <Downloads key={name} name={name} table={() => csv} />
         ))}
       </p>
+      {report.warnings.map((warning) => (
+        <p class="remark warning" key={warning}>
+          Warning: {warning}
+        </p>
+      ))}
       {of.notes.map((note) => (
         <p class="remark" key={note}>
           Note: {note}
