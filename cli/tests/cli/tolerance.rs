@@ -405,9 +405,11 @@ fn numbers_in_docs_equal_those_of_the_example() {
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let share = &found["verdict"]["yield_share"];
     let [found, error] = ["value", "standard_error"].map(|key| 100.0 * share[key].as_f64().unwrap());
-    let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();    let (_, said) = docs.split_once("\nyield ").unwrap();
+    let docs = fs::read_to_string(root.join("docs/tolerance.md")).unwrap();
+    let (_, said) = docs.split_once("\nyield ").unwrap();
     let (said, _) = said.split_once(" %\n").unwrap();
-    if few.is_empty() {        assert_eq!(said, format!("{found:.2} +- {error:.2}"));
+    if few.is_empty() {
+        assert_eq!(said, format!("{found:.2} +- {error:.2}"));
     } else {
         let said: f64 = said.split(' ').next().unwrap().parse().unwrap();
         assert!(error < 2.0 && (said - found).abs() < 4.0 * error, "{said}: {found} {error}");
