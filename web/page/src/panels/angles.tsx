@@ -85,7 +85,7 @@ export function AnglesPanel() {
   const x = now.value?.theta_deg ?? [];
   const own = curvesOf(now.value, metric.value);
   const kept = before.value && before.age === "current" && before.value.theta_deg.length === x.length ? curvesOf(before.value, metric.value) : [];
-  const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, pinned`, width: 1, dash: [12, 3, 3, 3] }));
+  const dashed = kept.map((curve) => ({ ...curve, name: `${curve.name}, compared`, width: 1, dash: [12, 3, 3, 3] }));
   const at = under.value;
   const theta = at === null ? undefined : x[at];
   const plot: Plot = {
@@ -167,7 +167,7 @@ export function AnglesPanel() {
                 {OF_STATES.includes(metric.value) ? <Sample name={curve.name} /> : null}
                 <span>{OF_STATES.includes(metric.value) ? curve.name : ""}</span>
                 <output>{at === null ? "" : digits(curve.values[at], 4)}</output>
-                {kept[i] && at !== null && <small>pinned {digits(kept[i].values[at], 4)}</small>}
+                {kept[i] && at !== null && <small>compared {digits(kept[i].values[at], 4)}</small>}
               </li>
             ))}
           </ul>

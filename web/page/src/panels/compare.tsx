@@ -8,15 +8,16 @@ import { deltaE2000, type Lab } from "../model/difference.ts";
 import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
 import { coloursOf } from "../plots/patches.tsx";
-import { result, resultCount, selected, states, text, title, view } from "../state/design.ts";
+import { result, resultCount, selected, states, title, view } from "../state/design.ts";
 import { open } from "../state/open.ts";
 import type { Rows } from "../model/csv.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
-import { pin, pinned, pinnedView, unpin } from "../state/pin.ts";
+import { isPinned, pin, pinned, pinnedView, unpin } from "../state/pin.ts";
 import { liveAge } from "../state/age.ts";
 import { Aged, ContentContext } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { MeasuredPanel } from "./measured.tsx";
+import { keep } from "./versions.tsx";
 
 const shown = (value: Json | undefined): string =>
   value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value);
@@ -29,7 +30,7 @@ function Keys() {
       <thead>
         <tr>
           <th scope="col">key</th>
-          <th scope="col">pinned</th>
+          <th scope="col">compared</th>
           <th scope="col">current</th>
         </tr>
       </thead>
@@ -72,7 +73,7 @@ function Colours() {
             <span
               class="swatch half"
               ref={(e) => e?.style.setProperty("background-color", before.get(name) ?? "")}
-              title="pinned"
+              title="compared"
             />
             <span
               class="swatch half"
@@ -105,7 +106,7 @@ export function ComparePanel() {
 
 /** The keys that differ, as a table for a file. */
 const keysTable = (): Rows => [
-  ["key", "pinned", "current"],
+  ["key", "compared", "current"],
   ...differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json).map(
     ({ path, before, now }) => [path, JSON.stringify(before) ?? "", JSON.stringify(now) ?? ""],
   ),
@@ -113,7 +114,7 @@ const keysTable = (): Rows => [
 
 /** The colours of both designs, as a table for a file. */
 const coloursTable = (): Rows => [
-  ["state", "Y_pinned", "Y", "L_star_pinned", "L_star", "delta_E_2000"],
+  ["state", "Y_compared", "Y", "L_star_compared", "L_star", "delta_E_2000"],
   ...states.value.map(([name, state]) => {
     const was = pinnedView.value?.states[name];
     return [name, was?.Y, state.Y, was?.L_star, state.L_star, was ? distance(state, was) : null];
@@ -125,32 +126,32 @@ function PinnedPanel() {
   if (!before) {
     return (
       <div class="controls">
-        <button type="button" class="run" onClick={pin}>
-          Pin this design
+        <button type="button" class="run" onClick={() => void keep()}>
+          Keep the current design
         </button>
         <span class="remark">
-          The pinned design is shown next to the current one: in the patches, both diagrams, the tables, and here key by
+          The version that is compared is shown next to the current design: in the patches, both diagrams, the tables, and here key by
           key.
         </span>
       </div>
     );
   }
-  const same = before.text === text.value;
+  const same = isPinned.value;
   return (
     <>
       <div class="controls">
         <span>
-          Pinned: <b>{before.title}</b>
+          Compared with <b>{before.title}</b>
           {same ? ", equal to the current design" : `; current: ${title.value}`}
         </span>
         <button type="button" onClick={swap}>
           Swap
         </button>
-        <button type="button" onClick={pin}>
-          Pin the current design instead
+        <button type="button" onClick={() => void keep()}>
+          Keep the current design instead
         </button>
         <button type="button" onClick={unpin}>
-          Unpin
+          Stop comparing
         </button>
         <ContentContext.Provider value={{ age: liveAge.value }}>
           <Downloads name="keys" table={keysTable} />

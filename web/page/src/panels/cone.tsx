@@ -64,9 +64,9 @@ export function ConePanel() {
       </Aged>
       {before.value && before.age === "current" && pinned.value && (
         <>
-          <h3>Pinned: {pinned.value.title}</h3>
+          <h3>Compared with {pinned.value.title}</h3>
           {before.value.figures.map(({ name, svg }) => (
-            <Drawn key={name} svg={svg} label={`${name} of the pinned design`} />
+            <Drawn key={name} svg={svg} label={`${name} of the version that is compared`} />
           ))}
         </>
       )}

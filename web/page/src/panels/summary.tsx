@@ -6,11 +6,11 @@ import type { Num, View } from "../api/types.ts";
 import { digits, fixed, signed, thousands, withError } from "../model/format.ts";
 import { errorOf, inWords, isValue, meets, metricsOf, type Target } from "../model/metrics.ts";
 import { compact } from "../state/compact.ts";
-import { text, view } from "../state/design.ts";
+import { view } from "../state/design.ts";
 import { labelOf } from "../state/labels.ts";
 import { addNumber, chosen, removeNumber, setTarget, type Chosen } from "../state/numbers.ts";
 import { addObjective } from "../state/optimize.ts";
-import { pinned, pinnedView } from "../state/pin.ts";
+import { isPinned, pinnedView } from "../state/pin.ts";
 import { showTab } from "../state/tab.ts";
 import { MetricPicker } from "./metric-picker.tsx";
 
@@ -196,7 +196,7 @@ export const namesNow = (): string[] => (view.value ? [...metricsOf(view.value).
 export function Summary() {
   const now = view.value;
   // A design does not differ from itself.
-  const before = pinned.value?.text === text.value ? null : pinnedView.value;
+  const before = isPinned.value ? null : pinnedView.value;
   if (!now) return null;
   const known = chosen.value.map(({ metric }) => metric);
   return (

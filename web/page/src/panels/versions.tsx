@@ -15,6 +15,8 @@ import { open } from "../state/open.ts";
 import { pin, pinned, repin, unpin } from "../state/pin.ts";
 import { said } from "../state/said.ts";
 import { earlier, lookForEarlier, takeUp } from "../state/start.ts";
+import { present } from "../state/age.ts";
+import { revisionOf } from "../state/revision.ts";
 import { showTab } from "../state/tab.ts";
 import { dropVersion, keepVersion, renameVersion, versions, type Version } from "../state/versions.ts";
 import { Menu } from "./menu.tsx";
@@ -57,7 +59,8 @@ function numbersNow(): Record<string, number> {
 }
 
 /** Keeps the current design, and compares later ones with it. */
-async function keep(): Promise<void> {
+/** Keeps the current design as a version, and compares later ones with it. */
+export async function keep(): Promise<void> {
   if (!(await pin())) return;
   const same = versions.value.filter(({ name }) => name === title.value || name.startsWith(`${title.value} `)).length;
   const name = same === 0 ? title.value : `${title.value} ${same + 1}`;
@@ -68,6 +71,11 @@ async function keep(): Promise<void> {
 export async function bring({ name, text: whole, files }: Version): Promise<void> {
   await recallFiles(files);
   if (await open(whole, "", `Opening ${name}…`)) said.value = `“${name}” is open. Undo restores the previous design.`;
+}
+
+/** Compares the current design with a version. */
+async function compare({ name, text: whole, files }: Version): Promise<void> {
+  if (!(await repin(whole, files))) said.value = `“${name}” cannot be computed, so that nothing is compared with it.`;
 }
 
 /** Returns the time of a design's last change as text. */
@@ -83,9 +91,10 @@ const when = (at: number): string =>
 function Card({ of }: { of: Version }) {
   /** The name while it is typed. */
   const typed = useSignal<string | null>(null);
-  const isCompared = pinned.value?.text === of.text;
+  const revision = revisionOf(of.text, of.files);
+  const isCompared = pinned.value?.revision === revision;
   return (
-    <li class={of.text === text.value ? "version current" : "version"} data-version={of.name}>
+    <li class={revision === present.value.revision ? "version current" : "version"} data-version={of.name}>
       <button type="button" class="thumbnail" onClick={() => void bring(of)} title={`Open ${of.name}, kept ${when(of.at)}`} aria-label={`Show ${of.name}`}>
         {of.thumbnail && <img src={of.thumbnail} alt="" width={SIZE[0]} height={SIZE[1]} />}
       </button>
@@ -109,7 +118,7 @@ function Card({ of }: { of: Version }) {
             type="button"
             aria-pressed={isCompared}
             title="Compare the current design with it"
-            onClick={() => (isCompared ? unpin() : void repin(of.text))}
+            onClick={() => (isCompared ? unpin() : void compare(of))}
           >
             {isCompared ? "Compared" : "Compare"}
           </button>

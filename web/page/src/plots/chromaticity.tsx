@@ -202,7 +202,7 @@ function Key({ size }: { size: number }) {
       {gamut(now) && line("display", "own", 0)}
       {line(percent("gamut_percent_srgb", "sRGB"), "srgb", 1)}
       {line(percent("gamut_percent_ebu", "EBU"), "ebu", 2)}
-      {gamut(pinnedView.value) && line(`pinned, ${fixed(pinnedView.value?.gamut_percent_srgb, 1)} %`, "pinned-line", 3)}
+      {gamut(pinnedView.value) && line(`compared, ${fixed(pinnedView.value?.gamut_percent_srgb, 1)} %`, "pinned-line", 3)}
     </g>
   );
 }

@@ -102,7 +102,7 @@ export function Patches() {
         <p class="remark">
           {clipped.length > 0 &&
             `Clipped: ${clipped.join(", ")} ${clipped.length > 1 ? "are" : "is"} brighter than the screen can show, whose white is a perfect white in this light; the hue is kept. `}
-          {pinned.value && "The lower part of each patch shows the pinned design."}
+          {pinned.value && "The lower part of each patch shows the version that is compared."}
         </p>
       )}
     </section>

@@ -118,7 +118,7 @@ export function Spectra() {
                 <path d="M0 4H22" stroke={pinnedLine().colour} stroke-width="2" stroke-dasharray={PINNED_DASH.join(" ")} />
               </svg>
               <span>
-                {shownState.value}, pinned
+                {shownState.value}, compared
                 {pinned.value && pinned.value.title !== title.value && <small> {pinned.value.title}</small>}
               </span>
               <output>{at === null ? "" : fixed(spectrum(pinnedView.value, shownState.value)[at], 4)}</output>

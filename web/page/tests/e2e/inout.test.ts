@@ -135,7 +135,7 @@ test("Save, link, export, versions and Monte Carlo after a refused value show a 
   for (const [button, done] of [
     ["Save", "saved"],
     ["Copy the link", "linked"],
-    ["Keep this version", "pinned"],
+    ["Keep this version", "kept"],
     ["Run Monte Carlo", "run"],
   ] as const) {
     if (done === "linked") await tool(page, "export");
