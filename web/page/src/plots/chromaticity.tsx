@@ -207,8 +207,9 @@ function Key({ size }: { size: number }) {
   );
 }
 
-/** Largest factor of the text of a small diagram. */
-const LARGEST = 1.9;
+/** Factors of the text of a small diagram: the largest, and that of its height on the screen. */
+const LARGEST = 2.3;
+const SMALLER = 0.88;
 
 export function Chromaticity() {
   const own = useComputed(() => gamut(view.value));
@@ -221,7 +222,7 @@ export function Chromaticity() {
     const fit = () => {
       const { clientWidth, clientHeight } = holder.current ?? { clientWidth: WIDTH, clientHeight: HEIGHT };
       const scale = Math.min((clientWidth || WIDTH) / WIDTH, (clientHeight || HEIGHT) / HEIGHT);
-      size.value = Math.min(LARGEST, Math.max(1, 1 / scale));
+      size.value = Math.min(LARGEST, Math.max(1, SMALLER / scale));
       holder.current?.style.setProperty("--size", size.value.toFixed(3));
     };
     const watch = new ResizeObserver(fit);

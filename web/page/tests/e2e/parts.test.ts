@@ -268,15 +268,19 @@ test("parts of a liquid-crystal pixel have fields, and its cell is drawn with th
 
 test("menu of layers says what cannot be added here, and why", async () => {
   const page = await on.visit();
+  await example(page, "printed-filter");
+  await settled(page);
+  await page.getByRole("button", { name: "Add layer" }).click();
+  const medium = page.locator('.menu [data-item="medium"]');
+  await page.locator('.menu [data-item="medium"][aria-disabled="true"]').waitFor({ timeout: 20_000 });
+  assert.match(await medium.innerText(), /does not compute the places of light for a colour filter below general layers/);
+  assert.equal(await page.locator('.menu [data-item="component"]').getAttribute("aria-disabled"), null);
+  await medium.click({ force: true });
+  assert.equal(await page.locator(".refusal").count(), 0);
+  await page.keyboard.press("Escape");
   await example(page, "mip-lcd");
   await settled(page);
   await page.getByRole("button", { name: "Add layer" }).click();
-  const diffuser = page.locator('.menu [data-item="diffuser"]');
-  await page.locator('.menu [data-item="diffuser"][aria-disabled="true"]').waitFor({ timeout: 20_000 });
-  assert.match(await diffuser.innerText(), /a diffuser given by its BTDF includes its surfaces/);
-  assert.equal(await page.locator('.menu [data-item="component"]').getAttribute("aria-disabled"), null);
-  await diffuser.click({ force: true });
-  assert.equal(await page.locator(".refusal").count(), 0);
   await page.locator('.menu [data-item="pixel: retarder"]').click();
   await page.locator('[data-part="display.pixel.stack.5"]').waitFor();
   await settled(page);
