@@ -91,8 +91,7 @@ commands! {
     /// Compute the reflectance of the pixel alone from 0 to 90 deg: pixel.csv and a figure
     #[command(
         after_help = "Example: papilio pixel scenarios/indoor.toml --angles glass --absorption --out out/pixel\n\n\
-                      For a table of a pixel under a diffuser, use --angles glass: the diffuser sends light to the pixel at \
-                      all angles in the glass."
+                      For a table of a pixel under a diffuser, use --angles glass."
     )]
     Pixel(arguments::Pixel) => pixel::pixel,
     /// Export the spectral BRDF of the whole display, for each state
@@ -142,9 +141,8 @@ commands! {
     #[command(after_help = "Example:\n  \
                       papilio run scenarios/overcast.toml\n  \
                       papilio compare out/overcast scenarios/data/synthetic-panel.csv\n\n\
-                      MEASURED has the columns state, theta_deg, phi_deg, and wavelength_nm and reflectance_factor, or X, Y, Z, or \
-                      L, a, b, and optionally standard_deviation; or metric, value, standard_deviation; or it is the file of an \
-                      instrument. docs/compare.md describes it.")]
+                      MEASURED has the columns state, theta_deg, wavelength_nm and reflectance_factor, or others. docs/compare.md \
+                      describes it.")]
     Compare(arguments::Compare) => compare::run,
     /// Write a commented scenario to start from: a display in the light of a preset
     #[command(

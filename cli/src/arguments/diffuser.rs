@@ -13,8 +13,8 @@ pub(crate) enum Diffuser {
     /// Report the quality of a file: coverage, energy, reciprocity, holes, noise, haze
     #[command(after_help = "Examples:\n  papilio diffuser inspect scenarios/data/H65.bsdf --out out/H65\n  \
                       papilio diffuser inspect scan.csv --part front-transmission\n\n\
-                      --part states what the values of a file are that does not state it itself: a CSV table with inclinations up to \
-                      90 deg, a scan over one angle, a list of FRED. Otherwise it selects one part of the file.")]
+                      --part is for a file that does not state it: a CSV table with inclinations up to 90 deg, a scan over one \
+                      angle, a list of FRED.")]
     Inspect(Inspect),
     /// Convert a file to another format
     #[command(after_help = "Example: papilio diffuser convert scenarios/data/H65.bsdf H65.csv")]

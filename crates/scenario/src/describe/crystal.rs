@@ -22,7 +22,7 @@ table! {
         fill_factor: PositiveShare = PositiveShare(1.0),
         /// Reflectance of the inactive area.
         inactive_reflectance: ShareSpectrum = ShareSpectrum::Constant(Share(0.0)),
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
@@ -74,7 +74,7 @@ table! {
         transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
         /// Refractive index.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness. Reflections of its faces do not interfere with the other layers.
+        /// Thickness.
         thickness_um: CrystalThickness = CrystalThickness(20.0),
     }
 }
@@ -109,7 +109,7 @@ table! {
         nz as "Biaxiality Nz": Biaxiality = Biaxiality(1.0),
         /// Ordinary refractive index.
         index as "Ordinary index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Thickness. Reflections of its faces do not interfere with the other layers.
+        /// Thickness.
         thickness_um: CrystalThickness = CrystalThickness(40.0),
     }
 }
@@ -170,8 +170,7 @@ forms! {
 table! {
     /// The director at a voltage, or with the same tilt at all depths.
     UniformDirector {
-        /// Voltage, rms: the director is the one to which a voltage that rises from 0 turns it, between surfaces
-        /// that hold it at the pretilt.
+        /// Voltage, rms, risen from 0.
         volts as "Voltage": Option<Volts>,
         /// Tilt out of the panel. Default: `pretilt_deg`.
         tilt_deg: Option<Tilt>,

@@ -73,7 +73,7 @@ table! {
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Surface of the glass of a panel without a diffuser. Default: `"ideal-ar"`; with a diffuser none.
         surface: Option<Surface>,
-        /// Transmittance along the normal without the surfaces; oblique light has a longer path. Default:
+        /// Transmittance along the normal without the surfaces. Default:
         /// clear.
         internal_transmittance: Option<ShareSpectrum>,
         /// Thickness, for places of light. Without `internal_transmittance`, k of the index (at most 1e-3)

@@ -34,10 +34,10 @@ choice! {
 table! {
     /// A number that the data are to determine.
     FitVariable {
-        /// A path as in `--set`; or `"meter.wavelength_offset_nm"` (added to the measured wavelengths) or
-        /// `"meter.scale"` (factor on the predicted reflectance factors, X, Y and Z); or `keys`.
+        /// A path as in `--set`, or `"meter.wavelength_offset_nm"` or `"meter.scale"` (docs/fit.md); or
+        /// `keys`.
         key: Option<String>,
-        /// Several paths that get the same value. Either `key` or `keys`.
+        /// Several paths that get the same value.
         keys: Option<Vec<Spanned<String>>>,
         /// A key that changes by the opposite amount, so that the sum is constant: for areas and shares of the light.
         compensated_by: Option<String>,

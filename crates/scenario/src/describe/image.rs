@@ -41,7 +41,7 @@ table! {
         saturation: Adjusted = Adjusted::Auto(Auto::Auto),
         /// Light of the photograph that becomes white, by its correlated colour temperature.
         white_balance: WhiteBalance = WhiteBalance::Word(BalanceWord::Auto),
-        /// Space in which their hue is constant.
+        /// Space in which mapped colours keep their hue.
         map_space: ImageMapSpace = ImageMapSpace::Oklab,
         /// Which parts are drawings: `"auto"` finds them in natural and vivid pictures, `"photograph"` and
         /// `"drawing"` are for all of it, and a file is a mask: black for drawings, white for photographs, of

@@ -48,7 +48,7 @@ table! {
     Medium {
         /// Refractive index, with n from 1 to 10; its k absorbs only with `thickness_mm`.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
-        /// Transmittance along the normal without the surfaces; oblique light has a longer path. Default:
+        /// Transmittance along the normal without the surfaces. Default:
         /// clear.
         internal_transmittance: Option<ShareSpectrum>,
         /// Thickness, for places of light. Without `internal_transmittance`, k of the index (at most 1e-3)

@@ -28,8 +28,8 @@ table! {
         environment: Vec<Spanned<Environment>> = Vec::new(),
         /// A front light: a light guide below the front of screen.
         front_light: Option<FrontLight>,
-        /// Diameter of the port of an integrating sphere, beside which light that travels sideways in the
-        /// display is lost (docs/light.md). One view, and light without lamps. Default: the port is wide.
+        /// Diameter of the port of an integrating sphere, for its edge loss (docs/light.md). One view, and
+        /// light without lamps. Default: the port is wide.
         port_mm as "Diameter of the port": Option<Millimetres>,
         /// Diameter of the spot that the meter sees, in the middle of the port. Default: that of the port, or of a smaller sample.
         spot_mm as "Diameter of the spot": Option<Millimetres>,

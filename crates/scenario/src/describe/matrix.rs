@@ -65,7 +65,7 @@ table! {
         /// Height of the filter above the pixels, in the medium above them.
         height_um as "Height of the colour filter": Micrometres,
         /// Transmittance of each part of the filter, by the names of the sub-pixels, for one pass along the
-        /// normal. Oblique light has a longer path.
+        /// normal.
         transmittance: Named<ShareSpectrum>,
     }
 }

@@ -14,7 +14,7 @@ use crate::read::Spanned;
 table! {
     /// A surface, for `papilio gonio`.
     SurfaceFile {
-        /// Title of tables and figures, one line.
+        /// Title of tables and figures.
         title: Option<Title>,
         /// The geometry of the surface, its media, and how it is measured.
         microgeometry: Microgeometry,
@@ -58,7 +58,7 @@ macro_rules! surface {
                 coating: Option<FaceCoating>,
                 /// Inclinations of the light, in its own medium. Default: 0 to 85 deg in steps of 5 deg.
                 incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
-                /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg.
+                /// Steps of azimuth by which rays are also sorted, a divisor of 180 deg.
                 /// Default: the surface is turned about its normal.
                 azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
                 /// Solver.
@@ -192,7 +192,7 @@ table! {
         matrix_index as "Index of the matrix": SurfaceIndex = SurfaceIndex(1.5),
         /// Inclinations of the light, in the matrix. Default: 0 to 85 deg in steps of 5 deg.
         incidence_deg as "Inclination of the light": Vec<Spanned<Inclination>> = Vec::new(),
-        /// Steps of azimuth by which rays are sorted as well, a whole number of them in 180 deg. Default: the
+        /// Steps of azimuth by which rays are also sorted, a divisor of 180 deg. Default: the
         /// slab is turned about its normal.
         azimuth_deg as "Steps of azimuth": Option<AzimuthStep>,
         /// Rays from each side at each inclination.

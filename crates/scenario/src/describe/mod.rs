@@ -41,9 +41,9 @@ use numbers::Wavelength;
 table! {
     /// A scenario: the display, the light, the viewer, and the computation.
     File later ["study"] {
-        /// Version of the file format, 1 or 2. Old names are accepted in both; `papilio migrate` replaces them.
+        /// Version of the file format. Old names are accepted; `papilio migrate` replaces them.
         format: Format = Format(FORMAT),
-        /// Title of tables and figures, one line.
+        /// Title of tables and figures.
         title: Option<Title>,
         /// The wavelength grid. Default: the defaults of its keys.
         spectrum: Spectrum,

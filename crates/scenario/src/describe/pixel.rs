@@ -83,7 +83,7 @@ table! {
         /// Whether to define white, black, red, green, blue, cyan, magenta and yellow, if there are
         /// sub-pixels red, green and blue.
         default_states: bool = true,
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
@@ -204,7 +204,7 @@ table! {
         file: String,
         /// Medium of the angles of the file.
         angles: Word<TableAngles>,
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
@@ -232,7 +232,7 @@ table! {
         /// Spread of light within Lambertian pixels: the distance at which the line spread has decreased to
         /// 1/e. Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
@@ -325,7 +325,7 @@ table! {
         /// Spread of light within Lambertian pixels: the distance at which the line spread has decreased to
         /// 1/e. Default: 0.
         spread_um as "Spread within the pixel": Option<SpreadWithin>,
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }
@@ -346,7 +346,7 @@ table! {
         extrapolate_tails: bool = false,
         /// Treatment of light beyond the measured directions. Default: `"hold"`, with a note where a file ends.
         extrapolate: Option<Extrapolate>,
-        /// Codes of the states for the controller, for the frame of `papilio image`. Default: the numbers of
+        /// Codes of the states for the controller of the panel. Default: the numbers of
         /// the states.
         codes as "Codes of the states": Option<Codes>,
     }

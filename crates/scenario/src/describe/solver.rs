@@ -15,8 +15,7 @@ table! {
     Solver {
         /// Solver; by default `auto` for a liquid crystal, or a table with azimuths, below a scatterer.
         method: Word<Method> = Word(Method::Adding),
-        /// Stop at this relative error of Y, the largest over states and views: the standard error for Monte
-        /// Carlo, the discretisation error for adding. Default: `0.001`.
+        /// Stop at this relative error of Y, the largest over states and views. Default: `0.001`.
         relative_error: Option<RelativeError>,
         /// For Monte Carlo, instead of `relative_error`: paths of each view, rounded up to a multiple of 32.
         /// Default: none, `relative_error` is used.
@@ -146,7 +145,7 @@ choice! {
         Random = "random",
         /// Jittered points on pairs of coordinates.
         Stratified = "stratified",
-        /// Points far from each other on pairs of coordinates, in sets of at most 4096.
+        /// Points far from each other on pairs of coordinates.
         BestCandidate = "best-candidate",
     }
 }
@@ -177,7 +176,8 @@ choice! {
         /// Glass without refraction: the pixel is evaluated at the angle in air; the lobe of a diffuser is
         /// also cut off at |beta| = 1 below it.
         Unrefracted = "unrefracted",
-        /// The mean of s and p at each face or film, instead of s and p through all orders (docs/light.md).
+        /// The mean of s and p at each face or film, instead of s and p through all orders
+        /// (docs/theory/faces.md).
         Unpolarised = "unpolarised",
     }
 }

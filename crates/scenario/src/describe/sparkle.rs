@@ -20,8 +20,8 @@ table! {
         gap_mm: Option<FaceGaps>,
         /// Diameter of the viewer's pupil at `viewer.distance_mm`, or of a camera's; 0 is a pinhole.
         pupil_mm as "Diameter of the pupil": Pupil = Pupil(4.0),
-        /// Number of independent faces, from which the standard errors follow. Together they have at least 1024 pixels: fewer than 32
-        /// are larger, and take as long.
+        /// Number of independent faces, with at least 1024 pixels together: fewer than 32 are larger, and
+        /// take as long.
         replicates: Count<2, 4096> = Count(32),
     }
 }

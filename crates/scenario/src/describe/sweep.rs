@@ -21,8 +21,8 @@ use crate::tree::{Entry, Node, Value};
 table! {
     /// Keys that `papilio sweep` varies. Every combination of the axes is computed; the last axis varies fastest.
     Sweep {
-        /// Tables of keys as in `--set`. Keys of one axis change together. Every combination of the axes is
-        /// computed, the last axis fastest. Also `"from:to:step"` and `{ from, to, count }`.
+        /// Tables of keys as in `--set`. Keys of one axis change together. Also `"from:to:step"` and `{ from,
+        /// to, count }`.
         axes: Vec<Spanned<Axis>>,
         /// Metrics to draw: columns of sweep.csv, those of a state as `"white.L_star"`. Default: for a compact sweep all stored
         /// metrics.

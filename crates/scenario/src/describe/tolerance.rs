@@ -42,19 +42,19 @@ table! {
         key: Option<String>,
         /// Several paths with the same deviation; numbers are deviations from the value of each.
         keys: Option<Vec<Spanned<String>>>,
-        /// Name in tables and figures, one line. Default: the path.
+        /// Name in tables and figures. Default: the path.
         name: Option<Label>,
         /// `true`: the numbers of the distribution are multiples of the scenario's value.
         relative: bool = false,
-        /// Normal distribution: `sigma`, and `mean`, `from`, `to`.
+        /// Normal distribution.
         normal: Option<Normal>,
-        /// Log-normal distribution, always above 0: `sigma` of the logarithm, and `median`, `from`, `to`.
+        /// Log-normal distribution, always above 0.
         lognormal: Option<LogNormal>,
-        /// Uniform distribution: `from` and `to`, or `plus_minus`.
+        /// Uniform distribution.
         uniform: Option<Uniform>,
-        /// Triangular distribution, with its maximum at the mode: `from` and `to`, or `plus_minus`, and `mode`.
+        /// Triangular distribution.
         triangular: Option<Triangular>,
-        /// One of a list of values (bins, lots, suppliers): `values` and `weights`.
+        /// One of a list of values (bins, lots, suppliers).
         choices: Option<Bins>,
     }
 }
