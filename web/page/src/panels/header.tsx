@@ -1,7 +1,7 @@
 // The frame of the page at the top: the title of the design, the steps, undo, open and save.
 
-import { draft, fields, held, opening, pending, title } from "../state/design.ts";
-import { edit, isTyped } from "../state/live.ts";
+import { busy, draft, fields, held, opening, pending, title } from "../state/design.ts";
+import { discard, edit, isTyped } from "../state/live.ts";
 import { unfinished } from "../state/jobs.ts";
 import { isNew, redo, undo } from "../state/open.ts";
 import { said } from "../state/said.ts";
@@ -70,6 +70,11 @@ export function Header() {
         onBlur={() => (held.value = null)}
         spellcheck={false}
       />
+      {busy.value && isNew.value && (
+        <button type="button" class="cancel-change" onClick={discard} title="Go back to the design that is shown">
+          Cancel
+        </button>
+      )}
       <StepBar />
       <div class="tools">
         {unfinished.value > 0 && (

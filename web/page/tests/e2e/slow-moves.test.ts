@@ -6,7 +6,7 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
-import { exact, example, settled, stage, type Stage } from "./stage.ts";
+import { exact, example, settled, stage, tool, type Stage } from "./stage.ts";
 
 let on: Stage;
 before(async () => (on = await stage()));
@@ -143,3 +143,21 @@ for (const { name, example: shown, keys } of CASES) {
     await page.close();
   });
 }
+
+test("example that takes long can be cancelled while it is opened", async () => {
+  const page = await on.visit();
+  const first = await page.locator(".title").inputValue();
+  await page.route("**/api/v1/live", async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, /Electronic paper/.test(route.request().postData() ?? "") ? 20_000 : 0));
+    await route.continue().catch(() => undefined);
+  });
+  await tool(page, "examples");
+  await page.locator('[data-example="epaper"]').click();
+  const cancel = page.getByRole("button", { name: "Cancel", exact: true });
+  await cancel.waitFor();
+  await cancel.click();
+  await cancel.waitFor({ state: "detached" });
+  await page.waitForFunction((first) => document.querySelector<HTMLInputElement>(".title")!.value === first, first);
+  assert.equal(await page.getByRole("button", { name: "Undo" }).isDisabled(), true);
+  assert.ok(!(await page.locator(".design").evaluate((e) => (e as HTMLElement).inert)));
+});
