@@ -128,7 +128,7 @@ test("surface that is refused has no fields and numbers of the surface before", 
   const page = await on.visit();
   const panel = page.locator("#tab-panel");
   await tool(page, "surface");
-  await panel.getByText("a preview, 20 000 for each inclination").waitFor({ timeout: 120_000 });
+  await panel.getByText(/a preview, 20 \d{3} for each inclination/).waitFor({ timeout: 120_000 });
   // A change that is refused: the numbers are those of the surface without it, which their mark says.
   await page.locator("#surface-pitch_um").fill("4");
   await panel.locator('[data-path="microgeometry.pitch_um"] .error').waitFor();
