@@ -18,6 +18,8 @@ pub(crate) enum ValueKind {
     Choice,
     /// A number.
     Number,
+    /// Numbers, separated by commas.
+    Numbers,
     /// Names, separated by commas.
     Names,
 }
@@ -93,6 +95,12 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
         options: &[
             SOLVER,
             option("cone", ValueKind::Flag, "Maps over all viewing directions"),
+            option(
+                "cone-reference",
+                ValueKind::Numbers,
+                "With cone: theta,phi of the colours with which others are compared, degrees",
+            ),
+            option("allow-error", ValueKind::Number, "With cone: accept relative errors up to this"),
             option("report", ValueKind::Flag, "A page about the run, report.html"),
             SEED,
         ],
@@ -104,6 +112,7 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
         continues: true,
         options: &[
             option("metrics", ValueKind::Names, "Store only these metrics"),
+            option("columns", ValueKind::Names, "Write only these columns of sweep.csv"),
             option("parquet", ValueKind::Flag, "The table as Parquet too"),
         ],
         ..SCENARIO
@@ -158,7 +167,10 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
         options: &[
             option("rooms", ValueKind::Names, "Also in the light of these presets"),
             choice("relative-to", &["white", "display"], "What is white in seen.png"),
-            choice("packed", &["1", "2", "4", "8"], "Bits of a code in frame.bin"),
+            choice("space", &["srgb", "display-p3"], "Colour space of seen.png"),
+            option("device-colours", ValueKind::Flag, "The usual codes of states in states.png and frame.bmp"),
+            option("frame", ValueKind::Names, "Forms of the frame: bin, bmp, h"),
+            choice("packed", &["1", "2", "4", "8", "planes"], "Bits of a code in frame.bin"),
             choice("rotate", &["0", "90", "180", "270"], "Rotate the frame clockwise, degrees"),
             option("mirror", ValueKind::Flag, "Mirror the frame"),
             SEED,
@@ -171,7 +183,8 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
         options: &[
             choice("angles", &["air", "glass"], "Medium of the angles"),
             option("step", ValueKind::Number, "Step of the angles, a divisor of 90, degrees"),
-            option("phi", ValueKind::Number, "Azimuth from which it is seen, degrees"),
+            option("phi", ValueKind::Numbers, "Azimuths from which it is seen, degrees"),
+            option("phi-step", ValueKind::Number, "Step of azimuths from 0 to below 180, degrees"),
             option("absorption", ValueKind::Flag, "The absorptance of each layer too"),
         ],
         ..SCENARIO
@@ -324,6 +337,11 @@ fn extension(format: Option<&str>) -> &'static str {
     }
 }
 
+/// Whether a text is a finite number.
+fn is_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
 impl CommandOption {
     /// Whether a value can be one of this option. It cannot name a file: it has no separator of folders.
     fn accepts(&self, value: &str) -> bool {
@@ -334,7 +352,8 @@ impl CommandOption {
         match self.kind {
             ValueKind::Flag => value.is_empty(),
             ValueKind::Choice => self.choices.contains(&value),
-            ValueKind::Number => value.parse::<f64>().is_ok_and(f64::is_finite) && is_plain("+-."),
+            ValueKind::Number => is_number(value) && is_plain("+-."),
+            ValueKind::Numbers => value.split(',').all(is_number) && is_plain("+-.,"),
             ValueKind::Names => is_plain(",._ +-") && !value.starts_with('-'),
         }
     }
@@ -361,6 +380,13 @@ mod tests {
             arguments("diffuser convert", &["H65.bsdf"], &[("format", "klems")]).unwrap(),
             "diffuser convert H65.bsdf --format=klems ../out/H65.xml"
         );
+        assert_eq!(
+            arguments("pixel", &[], &[("phi", "-30,0,30.5")]).unwrap(),
+            "pixel a.toml --phi=-30,0,30.5 --out ../out"
+        );
+        for wrong in ["", "1,", "1, 2", "inf", "1,x"] {
+            assert!(arguments("pixel", &[], &[("phi", wrong)]).is_err(), "{wrong}");
+        }
         assert_eq!(
             arguments("fit", &["b.csv", "c.csv"], &[]).unwrap(),
             "fit a.toml b.csv c.csv --out ../out"

@@ -192,3 +192,28 @@ test("commands with their options run as jobs, and write the files of the progra
   await ended(page, "validate", 200_000);
   assert.deepEqual(on.complaints, []);
 });
+
+/** Options that jobs have not: the page has them elsewhere, or they are for scripts and clusters, or name further files. */
+const ELSEWHERE: Readonly<Record<string, readonly string[]>> = {
+  // Files, folders, threads and the words on a terminal are those of the server; keys are set in the design; figures are saved as PNG by ⤓.
+  "": ["out", "set", "json", "quiet", "threads", "png", "allow-long", "help"],
+  sweep: ["axis", "shard"],
+  optimize: ["shard", "merge"],
+  tolerance: ["shard", "merge"],
+  image: ["on", "light", "since"],
+  "diffuser inspect": ["transmission"],
+  "diffuser steps": ["beside"],
+  validate: ["measured"],
+};
+
+test("jobs offer every option of their commands, but for those that are elsewhere", async () => {
+  const commands = (await (await fetch(`${on.url}api/v1/jobs/commands`)).json()) as { name: string; options: { name: string }[] }[];
+  assert.ok(commands.length > 15);
+  for (const { name, options } of commands) {
+    const help = execFileSync(PAPILIO, [...name.split(" "), "--help"], { encoding: "utf8" });
+    const all = [...help.matchAll(/^ +(?:-\w, )?--([\w-]+)/gm)].map(([, option]) => option!);
+    const elsewhere = [...ELSEWHERE[""]!, ...(ELSEWHERE[name] ?? [])];
+    const offered = options.map((option) => option.name);
+    assert.deepEqual([...new Set(all)].filter((one) => !elsewhere.includes(one)).sort(), [...offered].sort(), name);
+  }
+});
