@@ -24,7 +24,7 @@ pub(crate) enum Failure {
     #[error("error: {0}")]
     Png(#[from] papilio_figures::PngError),
     /// The scene could not be computed.
-    #[error("error: {0}")]
+    #[error("error: {}", papilio_scenario::text_of(.0, papilio_scenario::Interface::CommandLine))]
     Display(#[from] papilio_display::DisplayError),
     /// A design could not be evaluated.
     #[error("error: {0}")]

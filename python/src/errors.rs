@@ -3,7 +3,7 @@
 use papilio_design::DesignError;
 use papilio_display::DisplayError;
 use papilio_formats::{FormatError, Place};
-use papilio_scenario::{Resolved, ScenarioErrors};
+use papilio_scenario::{Interface, Resolved, ScenarioErrors, text_of};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -17,11 +17,11 @@ pub(crate) fn scenario(py: Python<'_>, errors: &ScenarioErrors) -> PyErr {
         let mistake = at(py, &error.place)?;
         mistake.set_item("message", &error.diagnostic.message)?;
         mistake.set_item("expected", error.diagnostic.expected.as_deref())?;
-        mistake.set_item("hint", error.hint())?;
+        mistake.set_item("hint", error.help(Interface::Python))?;
         mistake.set_item("path", error.path.clone())?;
         Ok(mistake)
     });
-    raised(py, "ScenarioError", errors.to_string(), all.collect())
+    raised(py, "ScenarioError", errors.text(Interface::Python), all.collect())
 }
 
 /// Error of a data file.
@@ -44,7 +44,7 @@ pub(crate) fn display_of(py: Python<'_>, resolved: &Resolved, error: &DisplayErr
 
 /// Error of the computation of a scene.
 fn display(py: Python<'_>, error: &DisplayError) -> PyErr {
-    raised(py, "DisplayError", error.to_string(), Ok(Vec::new()))
+    raised(py, "DisplayError", text_of(error, Interface::Python), Ok(Vec::new()))
 }
 
 /// Error of an argument; `text` begins with its name.

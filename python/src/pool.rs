@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use papilio_design::{DesignError, Evaluator, Study};
 use papilio_display::DisplayError;
-use papilio_scenario::MistakeKind;
+use papilio_scenario::{Interface, MistakeKind};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -158,7 +158,7 @@ pub(crate) fn reason(error: &DesignError) -> String {
         let key = place.spot.as_ref().filter(|_| place.name == "key").map(|spot| spot.text.clone());
         let at = key.or_else(|| one.path.clone()).unwrap_or_else(|| place.to_string());
         let expected = one.diagnostic.expected.iter().map(|expected| format!("; {expected}"));
-        let hint = one.hint().map(|hint| format!(" ({hint})"));
+        let hint = one.help(Interface::Python).map(|hint| format!(" ({hint})"));
         [format!("{at}: {}", one.diagnostic.message)]
             .into_iter()
             .chain(expected)

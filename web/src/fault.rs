@@ -5,7 +5,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use papilio_display::DisplayError;
 use papilio_formats::{Diagnostic, FormatError};
-use papilio_scenario::{Resolved, ScenarioError, ScenarioErrors};
+use papilio_scenario::{Interface, Resolved, ScenarioError, ScenarioErrors, text_of};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
@@ -122,7 +122,7 @@ impl From<&ScenarioError> for OneError {
             line,
             column,
             expected: error.diagnostic.expected.clone(),
-            hint: error.hint().map(str::to_owned),
+            hint: error.help(Interface::Page),
             // The value of a data file cannot be changed in the scenario.
             accepted: error
                 .diagnostic
@@ -186,7 +186,7 @@ impl From<DisplayError> for Fault {
                 "use a wider one, or the Monte Carlo solver",
             )
             .for_monte_carlo(),
-            other => Self::too_much(other.to_string(), ""),
+            other => Self::too_much(text_of(&other, Interface::Page), ""),
         }
     }
 }

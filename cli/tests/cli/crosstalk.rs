@@ -125,7 +125,10 @@ fn paths_compute_what_adding_refuses() {
     };
     let mirrors = layers("mirror");
     let refused = stderr(&run("matrix", &[&coarse[..], &["--set", &mirrors]].concat()));
-    assert!(refused.contains("--solver monte-carlo") && refused.contains("display.layers"), "{refused}");
+    assert!(
+        refused.contains("--set solver.method=monte-carlo") && refused.contains("display.layers"),
+        "{refused}"
+    );
     let paper = layers("lambertian");
     let general = ["--set", &paper];
     let output = run("matrix", &[&coarse[..], &general].concat());

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::number::short_numbers;
 use crate::place::Place;
+use crate::remedy::{Interface, Remedy};
 use crate::text::{in_one_line, visible};
 
 /// Description of a mistake in the user's input. The code that finds the mistake creates it.
@@ -28,6 +29,8 @@ pub struct Diagnostic {
     pub note: Option<String>,
     /// What the user can do.
     pub hint: Option<String>,
+    /// What mends the mistake, after the hint: each interface has its own words for it.
+    pub remedies: Vec<Remedy>,
     /// A value that is accepted at this place, as JSON: a program can offer it as a button.
     pub accepted: Option<String>,
 }
@@ -40,6 +43,7 @@ impl Diagnostic {
             expected: None,
             note: None,
             hint: None,
+            remedies: Vec::new(),
             accepted: None,
         }
     }
@@ -64,6 +68,21 @@ impl Diagnostic {
         self
     }
 
+    /// Adds a remedy.
+    #[must_use]
+    pub fn remedy(mut self, remedy: Remedy) -> Self {
+        self.remedies.push(remedy);
+        self
+    }
+
+    /// Returns the hint with the remedies in the words of an interface.
+    pub fn help(&self, interface: Interface) -> Option<String> {
+        match (&self.hint, Remedy::words(&self.remedies, interface)) {
+            (Some(hint), Some(words)) => Some(format!("{hint}: {words}")),
+            (hint, words) => words.or_else(|| hint.clone()),
+        }
+    }
+
     /// Adds a value that is accepted at this place, as JSON.
     #[must_use]
     pub fn accepted(mut self, json: impl fmt::Display) -> Self {
@@ -83,7 +102,7 @@ impl Diagnostic {
     }
 
     /// Returns the diagnostic with its place. It prints as a compiler's message: with the line of the text
-    /// and a caret below it, and without a final newline.
+    /// and a caret below it, in the words of the command line, and without a final newline.
     pub fn at<'a>(&'a self, place: &'a Place) -> Placed<'a> {
         Placed { diagnostic: self, place }
     }
@@ -105,7 +124,9 @@ pub struct Placed<'a> {
 
 impl fmt::Display for Placed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { diagnostic: Diagnostic { message, expected, note, hint, accepted: _ }, place } = self;
+        let Self { diagnostic, place } = self;
+        let Diagnostic { message, expected, note, hint: _, remedies: _, accepted: _ } = diagnostic;
+        let help = diagnostic.help(Interface::CommandLine);
         // Quoted text may hold any character.
         write!(f, "error: {}", in_one_line(message))?;
         let margin = place.spot.as_ref().map_or(1, |spot| spot.line.to_string().len());
@@ -115,7 +136,7 @@ impl fmt::Display for Placed<'_> {
             None => write_line("", expected.as_deref(), margin, f)?,
         }
         write_line("note: ", note.as_deref(), margin, f)?;
-        write_line("help: ", hint.as_deref(), margin, f)
+        write_line("help: ", help.as_deref(), margin, f)
     }
 }
 

@@ -290,7 +290,7 @@ pub enum DisplayError {
     #[error(
         "{what} (scatterer {number} from the top) is too narrow for adding within these layers: \
          it needs {nodes} directions, and adding computes at most {most} (its work grows faster than their cube); use the Monte Carlo solver \
-         (--solver monte-carlo, or method = \"monte-carlo\")"
+         (solver.method = \"monte-carlo\")"
     )]
     TooNarrow {
         /// The layer: its kind and the parameter that makes it narrow.
@@ -305,7 +305,7 @@ pub enum DisplayError {
     /// A lobe of an ordinary panel that is too narrow for adding in some light.
     #[error(
         "the diffuser of width {width:.1e} (`width` or `haze` of display.diffuser) is too narrow for adding in light that {light} (expected a width of at \
-         least {least}): it would take hours; use the Monte Carlo solver (--solver monte-carlo, or method = \"monte-carlo\")"
+         least {least}): it would take hours; use the Monte Carlo solver (solver.method = \"monte-carlo\")"
     )]
     TooNarrowInField {
         /// Width of the lobe.
@@ -318,8 +318,8 @@ pub enum DisplayError {
     /// Rows of a table with an error above the limit.
     #[error(
         "{count} of {of} rows of the {table} have a relative error of Y above {most:.1e}; the worst are: {named}{more}\n  \
-         = help: --allow-error {enough} (allow_error in Python) writes the table with the error of each row; the Monte \
-         Carlo solver (method = \"monte-carlo\") computes single views without this error"
+         = help: with an allowed error of {enough} the table is written, with the error of each row; the Monte Carlo \
+         solver (solver.method = \"monte-carlo\") computes single views without this error"
     )]
     RowsTooUncertain {
         /// Name of the table.

@@ -90,7 +90,7 @@ mod tests {
         let refused = errors().allow(None, "cone", |row| format!("row {row}")).unwrap_err().to_string();
         assert!(refused.contains("2 of 4 rows of the cone"), "{refused}");
         assert!(refused.contains("row 1 (3.12e-2); row 2 (2.00e-3)"), "{refused}");
-        assert!(refused.contains("--allow-error 0.032"), "{refused}");
+        assert!(refused.contains("an allowed error of 0.032"), "{refused}");
     }
 
     #[test]

@@ -43,6 +43,6 @@ pub(crate) fn check_output(path: &Path) -> Result<(), FormatError> {
         return Ok(());
     }
     let wrong = Diagnostic::new("this file is an input of the command, and no result is written over it");
-    let hint = "choose another folder with --out, or give the input another name";
+    let hint = "choose another folder for results, or give the input another name";
     Err(FormatError::whole(&path.display().to_string(), wrong.hint(hint)))
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use papilio_diagnostics::{Diagnostic, Place, nearest};
+use papilio_diagnostics::{Diagnostic, Interface, Place, Remedy, nearest};
 use papilio_formats::{FormatError, Problem};
 
 use crate::mistake::{Mistake, MistakeKind};
@@ -83,6 +83,13 @@ impl ScenarioErrors {
         self
     }
 
+    /// Returns the errors as they are printed, in the words of an interface.
+    pub fn text(&self, interface: Interface) -> String {
+        let mut all: Vec<String> = self.errors.iter().map(|error| error.text(interface)).collect();
+        all.extend((self.more > 0).then(|| format!("error: there are {} more errors, not shown", self.more)));
+        all.join("\n\n")
+    }
+
     /// Returns the first 50 errors, in the order of the text.
     pub fn iter(&self) -> impl Iterator<Item = &ScenarioError> {
         self.errors.iter()
@@ -107,16 +114,29 @@ impl ScenarioError {
         Self::new(Place::whole(name), mistake)
     }
 
-    /// Returns a hint, if there is one.
-    pub fn hint(&self) -> Option<&str> {
+    /// Returns a hint in the words of an interface, if there is one.
+    pub fn help(&self, interface: Interface) -> Option<String> {
+        let help = self.diagnostic.help(interface);
         match (&self.kind, &self.asked_for_at, &self.note) {
-            (MistakeKind::Unreadable, Some(_), _) => Some(
-                self.diagnostic.hint.as_deref().unwrap_or("paths in a scenario are relative to its folder"),
-            ),
+            (MistakeKind::Unreadable, Some(_), _) => {
+                help.or_else(|| Some("paths in a scenario are relative to its folder".to_owned()))
+            }
             // The user did not write this number: it was drawn, or is the rest of a sum.
             (MistakeKind::OutOfRange, _, Some(_)) => None,
-            _ => self.diagnostic.hint.as_deref(),
+            _ => help,
         }
+    }
+
+    /// Returns the error as it is printed, in the words of an interface.
+    fn text(&self, interface: Interface) -> String {
+        let asked = self.asked_for_at.as_ref().map(|place| {
+            let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
+            let text: String = text.chars().take(LONGEST_NOTE).collect();
+            format!("requested at {place}: {text}")
+        });
+        let notes = asked.iter().chain(&self.note);
+        let shown = notes.fold(self.diagnostic.clone(), Diagnostic::note).hint_if(self.help(interface));
+        Diagnostic { remedies: Vec::new(), ..shown }.at(&self.place).to_string()
     }
 }
 
@@ -169,43 +189,29 @@ pub fn near_file(path: &Path, ending: &str) -> Option<PathBuf> {
 impl From<FormatError> for ScenarioError {
     fn from(error: FormatError) -> Self {
         let shown = match &error.problem {
-            Problem::Picture { .. } => Some(format!(
+            Problem::Picture { .. } => Some(Remedy::OnCommandLine(format!(
                 "a scenario (TOML) comes first, as in `papilio image SCENARIO PICTURE`; `papilio image {} --on six-ink` needs none",
                 error.place.name
-            )),
+            ))),
             _ => None,
         };
         let mut new = Self::new(error.place, error.problem);
-        new.diagnostic.hint = shown.or(new.diagnostic.hint);
+        new.diagnostic.remedies.extend(shown);
         new
     }
 }
 
 impl fmt::Display for ScenarioErrors {
+    /// Writes all errors in the words of the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, error) in self.errors.iter().enumerate() {
-            if i > 0 {
-                f.write_str("\n\n")?;
-            }
-            error.fmt(f)?;
-        }
-        match self.more {
-            0 => Ok(()),
-            more => write!(f, "\n\nerror: there are {more} more errors, not shown"),
-        }
+        f.write_str(&self.text(Interface::CommandLine))
     }
 }
 
 impl fmt::Display for ScenarioError {
+    /// Writes the error in the words of the command line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let asked = self.asked_for_at.as_ref().map(|place| {
-            let text = place.spot.as_ref().map_or("", |spot| spot.text.trim());
-            let text: String = text.chars().take(LONGEST_NOTE).collect();
-            format!("requested at {place}: {text}")
-        });
-        let notes = asked.iter().chain(&self.note);
-        let shown = notes.fold(self.diagnostic.clone(), Diagnostic::note).hint_if(self.hint());
-        shown.at(&self.place).fmt(f)
+        f.write_str(&self.text(Interface::CommandLine))
     }
 }
 

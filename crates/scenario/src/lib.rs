@@ -104,7 +104,7 @@ pub use optimise::{
     SearchObjective, SearchRange, SearchVariable,
 };
 pub use page::with_key_tables;
-pub use papilio_diagnostics::{Diagnostic, nearest};
+pub use papilio_diagnostics::{Diagnostic, Interface, Remedy, nearest};
 pub use papilio_display::{Label, labelled_names};
 pub use papilio_spectra::materials_called;
 pub use path::KeyPath;
@@ -115,7 +115,7 @@ pub use resolve::LayerSurface;
 pub use resolve::PanelCodes;
 pub use resolve::VirtualMeasurement;
 pub use resolve::{ImageRequest, picture_size};
-pub use scenario::{Resolved, Scenario};
+pub use scenario::{Resolved, Scenario, text_of};
 pub use schema::{schema, surface_schema};
 pub use surface::{ResolvedSurface, SurfaceScenario};
 pub use sweep::{LightSweep, Sweep};

@@ -2,7 +2,7 @@
 //!
 //! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
-use papilio_diagnostics::{Diagnostic, did_you_mean, nearest, number, quoted, suggestion};
+use papilio_diagnostics::{Diagnostic, Remedy, did_you_mean, nearest, number, quoted, suggestion};
 use papilio_display::scene::Metric;
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
@@ -53,7 +53,9 @@ impl Mistake {
         let expected = format!("{before}; `{key}`: {}", words(&other.diagnostic));
         let diagnostic =
             Diagnostic::new(format!("the keys {keys} and `{key}` are missing")).expected(expected);
-        self.diagnostic = diagnostic.hint_if(self.diagnostic.hint.clone().or(other.diagnostic.hint.clone()));
+        let remedies = [&self.diagnostic.remedies[..], &other.diagnostic.remedies].concat();
+        let hint = self.diagnostic.hint.clone().or(other.diagnostic.hint.clone());
+        self.diagnostic = Diagnostic { remedies, ..diagnostic.hint_if(hint) };
         true
     }
 }
@@ -132,8 +134,11 @@ pub(crate) fn missing_length(path: &str, below: &str) -> Mistake {
     let mut wrong = missing_path(path, below, "a length in mm");
     let why = "where light leaves depends on the thickness of all layers that it crosses obliquely, from the pixel to the \
                highest layer that scatters or reflects it; a missing thickness is not guessed";
-    wrong.diagnostic =
-        wrong.diagnostic.note(why).hint(format!("measure it, or try half a millimetre: --set {path}=0.5"));
+    wrong.diagnostic = wrong
+        .diagnostic
+        .note(why)
+        .hint("measure it, or try half a millimetre")
+        .remedy(Remedy::key(path, "0.5"));
     wrong
 }
 

@@ -13,6 +13,7 @@ use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::{DataFile, FormatError, LARGEST_PICTURE_FILE, Problem, picture_format};
 use serde_json::{Map, Value, json};
 
+pub use self::located::text_of;
 use crate::browse::illuminant_sheet;
 use crate::describe::File;
 use crate::describe::image::DecidedFor;
@@ -381,7 +382,7 @@ pub(crate) fn assemble(sources: &Sources, changes: &[Change]) -> Result<Complete
     let warnings = idle.map(|name| {
         format!(
             "the preset \"{name}\" has no effect: the scenario sets all of its keys itself, and they take precedence; \
-             --set 'lighting={{ preset = \"{name}\" }}' replaces all of them"
+             lighting = {{ preset = \"{name}\" }} replaces all of them"
         )
     });
     let warnings = warnings.into_iter().collect();

@@ -1,6 +1,6 @@
 //! Sweeps: a scenario at every point of its `[sweep]`.
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, Remedy};
 use papilio_display::scene::{Method, MetricSource};
 use papilio_formats::{SweepHead, SweepHeadAxis, sweep_place};
 use serde_json::json;
@@ -47,14 +47,13 @@ impl Sweep {
         let read = match node.filter(|node| !figures_alone(node)) {
             Some(node) => Described::read(node, &mut errors),
             None => {
-                let wrong = Diagnostic::new(
-                    "there is nothing to sweep: the scenario has no `[[sweep.axes]]`",
-                )
-                .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
-                .hint(
-                    "[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]; or the option --axis \
-                             display.diffuser.haze=0.5:0.7:0.1",
-                );
+                let wrong =
+                    Diagnostic::new("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")
+                        .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
+                        .hint("[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]")
+                        .remedy(Remedy::OnCommandLine(
+                            "or --axis display.diffuser.haze=0.5:0.7:0.1".to_owned(),
+                        ));
                 errors.push(node.map_or(assembled.origin, |node| node.origin), wrong);
                 None
             }

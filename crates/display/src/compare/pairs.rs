@@ -92,7 +92,7 @@ pub(super) fn view_at(
         (None, [only]) => Ok((0, only)),
         (None, several) => Err(format!(
             "the measurement states no angle, and the result has several views (a table can have a column `theta_deg`; for any other \
-             file, compute the view of the meter alone: --set viewer.theta_deg={})",
+             file, compute the view of the meter alone: viewer.theta_deg = {})",
             several.first().map_or(0.0, |view| view.theta_deg)
         )),
     }

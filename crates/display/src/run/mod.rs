@@ -373,7 +373,7 @@ impl Run<'_> {
         let view = self.setup.views.iter().find(crosses)?;
         Some(format!(
             "the field of view at theta {} deg goes across the end of the diffuser's measured directions: adding's error does not contain that of the \
-             jump there; --solver monte-carlo does, and a smaller viewer.field_deg avoids it",
+             jump there; solver.method = \"monte-carlo\" does, and a smaller viewer.field_deg avoids it",
             view.theta_deg
         ))
     }

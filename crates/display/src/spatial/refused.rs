@@ -50,7 +50,7 @@ impl From<Refused> for DisplayError {
         let (what, key) = match refused {
             Refused::Azimuth => {
                 let what = "a computation of places of light by adding";
-                return azimuth(what, "solver.method", "\"monte-carlo\" does: --solver monte-carlo");
+                return azimuth(what, "solver.method", "use the Monte Carlo solver");
             }
             Refused::AzimuthOfUnpolarised => {
                 let what = "a computation of places of unpolarised light below flat layers";
@@ -65,7 +65,7 @@ impl From<Refused> for DisplayError {
                 return azimuth(
                     what,
                     "display.pixel",
-                    "use `papilio mtf --solver monte-carlo`, or `papilio run`",
+                    "use `papilio mtf` with solver.method = \"monte-carlo\", or `papilio run`",
                 );
             }
             Refused::Layered(NotCovered::Stopped) => return Self::Interrupted,

@@ -44,7 +44,7 @@ pub(super) fn missed_target(scene: &Scene, error: f64, what: &str) -> Option<Str
         Method::MonteCarlo => (error > 1.5 * target, "solver.paths sets the number of paths"),
         Method::Adding | Method::Auto => (
             error > target,
-            "the finest level of adding is reached; `--solver monte-carlo` traces as many paths as the target needs",
+            "the finest level of adding is reached; solver.method = \"monte-carlo\" traces as many paths as the target needs",
         ),
     };
     is_missed.then(|| {

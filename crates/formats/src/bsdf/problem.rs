@@ -105,8 +105,7 @@ impl BsdfProblem {
         match self {
             Self::Unknown => Diagnostic::new("this is not a BSDF file in a supported format").hint(format!(
                 "the supported formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, a scan at normal \
-                 incidence theta_deg,btdf (or brdf; with other names, state the part: `part = \"front-transmission\"`, on the command line \
-                 --part front-transmission)",
+                 incidence theta_deg,btdf (or brdf; with other names, state the part, for example front-transmission, by `part`)",
                 super::bsdf_formats()
             )),
             Self::Empty => Diagnostic::new("this file has no data").expected("a BSDF file: rows of measured values"),

@@ -71,7 +71,7 @@ pub fn foreign_journal_error(path: &Path) -> FormatError {
     let wrong = Diagnostic::new(
         "this journal belongs to a different scenario, different input files or a different version of Papilio",
     );
-    let hint = "compute all shards from the same scenario file with the same --set options";
+    let hint = "compute all shards from the same scenario file with the same values of keys";
     FormatError::whole(&path.display().to_string(), wrong.hint(hint))
 }
 

@@ -41,7 +41,7 @@ pub(crate) use measure::measurement;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use papilio_diagnostics::{Diagnostic, short_numbers};
+use papilio_diagnostics::{Diagnostic, Remedy, short_numbers};
 use papilio_display::image::SourceImage;
 use papilio_display::scene::{self, Scene, Strategy};
 use papilio_display::spatial::{Antiglare, Patterns};
@@ -260,7 +260,11 @@ impl Resolver<'_> {
             let wrong = Diagnostic::new("a meter at a sphere sees the sample from one direction");
             self.err(
                 &file.lighting.port_mm,
-                wrong.expected("one view").hint("--set viewer.theta_deg=8 --set viewer.phi_deg=0"),
+                wrong
+                    .expected("one view")
+                    .hint("choose one")
+                    .remedy(Remedy::key("viewer.theta_deg", "8"))
+                    .remedy(Remedy::key("viewer.phi_deg", "0")),
             );
             return None;
         }

@@ -132,7 +132,7 @@ impl Resolver<'_> {
                 let wrong = Diagnostic::new("angles in air do not cover light beyond the critical angle of total internal reflection")
                     .expected("angles = \"glass\"")
                     .hint(
-                        "give the table with angles in glass, up to 90 deg; `papilio pixel FILE --angles glass` writes such a table",
+                        "give the table with angles in glass, up to 90 deg; `papilio pixel` with angles in glass writes such a table",
                     );
                 return self.errors.push(described.angles.origin.or_override(causes), wrong);
             }

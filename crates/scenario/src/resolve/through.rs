@@ -65,7 +65,7 @@ impl Resolver<'_> {
                     .note("a reflectance alone does not say how far light spreads: two slabs of the same reflectance may spread it differently")
                     .hint(
                         "describe the slab as a layer, [[display.layers]] with kind = \"slab\" and its thickness_mm, above its ground: `papilio \
-                         mtf --solver monte-carlo` computes where its light leaves",
+                         mtf` computes where its light leaves, by the Monte Carlo solver",
                     );
                 self.err(spread, wrong);
                 None

@@ -1,7 +1,7 @@
 //! Errors of a scene as errors of its scenario: with the place in the text, what was expected and a hint.
 
 use papilio_colour::ColourError;
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, Interface, Remedy};
 use papilio_display::DisplayError;
 use serde_json::Value;
 
@@ -19,10 +19,10 @@ impl Resolved {
                 let expected = "the places of the sub-pixels, [display.matrix]";
                 let mut wrong = mistake::missing_path("display.matrix", "matrix", expected);
                 let hint = format!(
-                    "`papilio {command}` needs them: add [display.matrix] with ppi or the pitch_um of the pixels, or try --set \
-                     display.matrix.ppi=300"
+                    "`papilio {command}` needs them: add [display.matrix] with ppi or the pitch_um of the pixels, or try 300 ppi"
                 );
-                wrong.diagnostic = wrong.diagnostic.hint(hint);
+                wrong.diagnostic =
+                    wrong.diagnostic.hint(hint).remedy(Remedy::key("display.matrix.ppi", "300"));
                 let mut errors = Errors::default();
                 errors.push(self.written.root.place_of("display"), wrong);
                 // The command needs the lengths, too.
@@ -104,7 +104,8 @@ impl Resolved {
                 } else {
                     wrong
                         .expected("mirror-like or Lambertian pixels below a diffuser or a flat face")
-                        .hint("`papilio mtf` and `papilio crosstalk` compute any layers with `--solver monte-carlo`")
+                        .hint("`papilio mtf` and `papilio crosstalk` compute any layers by the Monte Carlo solver")
+                        .remedy(monte_carlo())
                 };
                 (key, wrong.into())
             }
@@ -115,15 +116,16 @@ impl Resolved {
                     1e3 * pitch_mm
                 ))
                 .expected(format!("at most {most} times, over which crosstalk and pictures are computed"))
-                .hint("`pitch_um` is in um, `thickness_mm` in mm; `papilio crosstalk --solver monte-carlo` computes any thickness");
+                .hint("`pitch_um` is in um, `thickness_mm` in mm; `papilio crosstalk` computes any thickness by the Monte Carlo solver")
+                .remedy(monte_carlo());
                 ("display.matrix", wrong.into())
             }
             DisplayError::PlacesByPaths { what, key } => {
-                let wrong =
-                    Diagnostic::new(format!("the adding solver does not compute the places of light for {what}"))
-                        .hint(
-                            "set `method = \"monte-carlo\"` in `[solver]`, or use `--solver monte-carlo`, which computes any layers",
-                        );
+                let wrong = Diagnostic::new(format!(
+                    "the adding solver does not compute the places of light for {what}"
+                ))
+                .hint("use the Monte Carlo solver, which computes any layers")
+                .remedy(monte_carlo());
                 (key, wrong.into())
             }
             DisplayError::NoPlaces { what, key } => {
@@ -145,7 +147,9 @@ impl Resolved {
                 let wrong =
                     Diagnostic::new(format!("{what} is computed for one view, and these are {views}"))
                         .expected("one angle in `theta_deg`, and one in `phi_deg`")
-                        .hint("choose one: --set viewer.theta_deg=0 --set viewer.phi_deg=0");
+                        .hint("choose one")
+                        .remedy(Remedy::key("viewer.theta_deg", "0"))
+                        .remedy(Remedy::key("viewer.phi_deg", "0"));
                 ("viewer.theta_deg", wrong.into())
             }
             DisplayError::NoNeutral { state } => {
@@ -224,7 +228,9 @@ impl Resolved {
                 let wrong = format!(
                     "the reflectance of this pixel depends on azimuth, which {what} does not compute yet"
                 );
-                (*key, Diagnostic::new(wrong).hint(*hint).into())
+                let wrong = Diagnostic::new(wrong).hint(*hint);
+                let wrong = if *key == "solver.method" { wrong.remedy(monte_carlo()) } else { wrong };
+                (*key, wrong.into())
             }
             DisplayError::FilterWithoutPlace => {
                 let wrong = Diagnostic::new(
@@ -263,7 +269,8 @@ impl Resolved {
                     "{what} (scatterer {number} from the top) is too narrow for adding within these layers: it needs {nodes} directions"
                 ))
                 .expected(format!("at most {most} directions: the work of adding grows faster than their cube"))
-                .hint(MONTE_CARLO);
+                .hint(MONTE_CARLO)
+                .remedy(monte_carlo());
                 let keys = ["display.diffuser", "display.layers"];
                 let written = keys.into_iter().find(|key| self.written.root.at(key).is_some());
                 (written.unwrap_or("display"), wrong.into())
@@ -273,7 +280,8 @@ impl Resolved {
                     "the diffuser of width {width:.1e} is too narrow for adding in light that {light}: it would take hours"
                 ))
                 .expected(format!("a width of at least {least} (`width` or `haze`)"))
-                .hint(MONTE_CARLO);
+                .hint(MONTE_CARLO)
+                .remedy(monte_carlo());
                 let keys = ["display.diffuser.width", "display.diffuser.haze"];
                 let written = keys.into_iter().find(|key| self.written.root.at(key).is_some());
                 (written.unwrap_or("display.diffuser"), wrong.into())
@@ -315,9 +323,30 @@ impl Resolved {
     }
 }
 
-/// The hint where adding refuses a narrow scatterer.
-const MONTE_CARLO: &str =
-    "use the Monte Carlo solver: method = \"monte-carlo\" in [solver], or --solver monte-carlo";
+/// The hint where adding refuses a narrow scatterer, and its remedy.
+const MONTE_CARLO: &str = "use the Monte Carlo solver";
+
+fn monte_carlo() -> Remedy {
+    Remedy::key("solver.method", "\"monte-carlo\"")
+}
+
+/// The remedy of an error that no key causes, but an option of the call.
+fn option_of(error: &DisplayError) -> Option<Remedy> {
+    match error {
+        DisplayError::RowsTooUncertain { enough, .. } => {
+            Some(Remedy::Option { name: "allow-error", value: enough.to_string() })
+        }
+        _ => None,
+    }
+}
+
+/// The text of an error of a computation that is not [`located`](Resolved::located), in the words of an interface.
+pub fn text_of(error: &DisplayError, interface: Interface) -> String {
+    match option_of(error).and_then(|option| Remedy::words(&[option], interface)) {
+        Some(words) => format!("{error}\n  = help: to allow it: {words}"),
+        None => error.to_string(),
+    }
+}
 
 /// The path of a `thickness_mm` with this value, from `.` on.
 fn thickness_path(value: &Value, mm: f64) -> Option<String> {

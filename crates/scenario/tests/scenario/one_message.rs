@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use papilio_scenario::{Edit, Scenario, ScenarioErrors, edit};
+use papilio_display::DisplayError;
+use papilio_scenario::{Edit, Interface, Scenario, ScenarioErrors, edit, text_of};
 use serde_json::{Value, json};
 
 use crate::common::{GOOD, LAYERED, resolve, shipped};
@@ -85,4 +86,61 @@ fn mistakes_of_one_kind_are_named_once() {
     assert_eq!(of("display.front=[1, \"a\"]").len(), 2);
     let errors = resolve(GOOD, Path::new(""), &["viewer.theta_deg={}"]).unwrap_err().to_string();
     assert!(errors.contains("expected `from`: a number"), "{errors}");
+}
+
+/// Errors of a computation, whose remedies are keys and options of a call: each interface has its own words. The command line accepts
+/// what it proposes; no other interface has its options.
+#[test]
+fn remedies_are_in_the_words_of_each_interface() {
+    let resolved = resolve(GOOD, Path::new(""), &[]).unwrap();
+    let narrow =
+        |what: &str| DisplayError::TooNarrow { what: what.to_owned(), number: 1, nodes: 9000, most: 500 };
+    let errors = [
+        narrow("a diffuser"),
+        DisplayError::TooNarrowInField { width: 1e-6, least: 1e-4, light: "is diffuse" },
+        DisplayError::OneView { what: "sharpness", views: 3 },
+        DisplayError::NoMatrix { command: "mtf" },
+        DisplayError::TooThick { thickness_mm: 9.0, pitch_mm: 0.1, most: 50.0 },
+        DisplayError::PlacesByPaths { what: "a mirror".to_owned(), key: "display.glass".to_owned() },
+        DisplayError::Azimuth { what: "a sum", key: "solver.method", hint: "use the Monte Carlo solver" },
+    ];
+    let is_option =
+        |word: &str| word.strip_prefix("--").is_some_and(|name| name.starts_with(char::is_alphabetic));
+    for error in &errors {
+        let located = resolved.located(error).unwrap();
+        let [shell, python, page] = [Interface::CommandLine, Interface::Python, Interface::Page].map(|one| {
+            (
+                located.text(one),
+                located.iter().filter_map(|error| error.help(one)).collect::<Vec<_>>().join("\n"),
+            )
+        });
+        assert_eq!(located.to_string(), shell.0);
+        for (text, help) in [&python, &page] {
+            assert!(!text.split_whitespace().any(is_option), "{text}");
+            assert!(help.lines().all(|help| text.contains(help)), "{text}\n{help}");
+        }
+        assert!(python.1.contains("set={\"") && page.1.contains(" = "), "{}\n{}", python.1, page.1);
+        let words: Vec<&str> = shell.1.split_whitespace().collect();
+        let sets: Vec<String> =
+            words.windows(2).filter(|pair| pair[0] == "--set").map(|pair| pair[1].to_owned()).collect();
+        assert!(!sets.is_empty(), "{}", shell.1);
+        let read = Scenario::from_text(GOOD, "s.toml", Path::new(""), &sets);
+        assert!(read.is_ok(), "{sets:?}: {}", read.unwrap_err());
+    }
+    let rows = DisplayError::RowsTooUncertain {
+        table: "cone",
+        count: 2,
+        of: 4,
+        most: 1e-3,
+        named: "row 1".to_owned(),
+        more: "",
+        enough: 0.032,
+    };
+    for (interface, words) in [
+        (Interface::CommandLine, "--allow-error 0.032"),
+        (Interface::Python, "allow_error=0.032"),
+        (Interface::Page, "allow error = 0.032"),
+    ] {
+        assert!(text_of(&rows, interface).ends_with(words), "{}", text_of(&rows, interface));
+    }
 }

@@ -19,10 +19,10 @@ struct Levelled {
 }
 
 /// Why some numbers are null.
-const NO_LINE: &str = "adding computes a line below a colour filter for sub-pixels of the full height of the pixel (stripes); --solver monte-carlo computes others";
+const NO_LINE: &str = "adding computes a line below a colour filter for sub-pixels of the full height of the pixel (stripes); solver.method = \"monte-carlo\" computes others";
 const NO_TEXT: &str = "text below a colour filter is computed by paths: it has no period of a few pixels, and light that the face returns \
-    crosses it (--solver monte-carlo)";
-const DIFFUSED: &str = "a diffuser above the colour filter blurs what is seen of it: its stripes and lines are computed by paths (--solver monte-carlo)";
+    crosses it (solver.method = \"monte-carlo\")";
+const DIFFUSED: &str = "a diffuser above the colour filter blurs what is seen of it: its stripes and lines are computed by paths (solver.method = \"monte-carlo\")";
 
 /// Finest level: a further one takes ten times as long, and changes the numbers as much as this one.
 const FINEST: usize = 1;
