@@ -298,6 +298,9 @@ impl Errors {
         let own = self.found.iter_mut().skip(before).filter(|(at, ..)| *at == origin);
         for (_, mistake, _) in own {
             mistake.diagnostic = mistake.diagnostic.clone().expected(words);
+            if let MistakeKind::MissingKeys(keys) = &mut mistake.kind {
+                keys.iter_mut().for_each(|key| words.clone_into(&mut key.expected));
+            }
         }
     }
 
@@ -331,7 +334,7 @@ impl Errors {
             one.2.is_none() && next.2.is_none() && one.0 == next.0 && one.1.takes(&next.1)
         });
         let error = |(origin, mut mistake, file): (Origin, Mistake, Option<Place>)| {
-            if matches!(mistake.kind, MistakeKind::MissingKey(_))
+            if matches!(mistake.kind, MistakeKind::MissingKeys(_))
                 && mistake.diagnostic.hint.is_none()
                 && let Some(hint) = appended(sources.text(origin.source).get(origin.start..origin.end))
             {
@@ -339,7 +342,9 @@ impl Errors {
             }
             let place = sources.place(origin);
             let path = sources.path(origin).map(|path| match &mistake.kind {
-                MistakeKind::MissingKey(key) => joined(&path, key),
+                MistakeKind::MissingKeys(keys) => {
+                    keys.first().map_or(path.clone(), |key| joined(&path, &key.below))
+                }
                 _ => path,
             });
             let (place, asked_for_at) = match file {

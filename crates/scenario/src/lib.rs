@@ -98,7 +98,7 @@ pub use labels::{label, variable_label};
 pub use library::{Library, MemoryFile};
 pub use memo::ResolveCache;
 pub use migrate::{Migrated, RenamedPlace, migrate};
-pub use mistake::MistakeKind;
+pub use mistake::{MissingKey, MistakeKind};
 pub use optimise::{
     Key, NamedQuantity, Optimisation, SearchAim, SearchCondition, SearchConstraint, SearchMethod,
     SearchObjective, SearchRange, SearchVariable,

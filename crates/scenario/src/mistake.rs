@@ -15,8 +15,8 @@ use papilio_spectra::{
 pub enum MistakeKind {
     /// The path of a key is wrong, whatever its value.
     Path,
-    /// A required key is missing: its name below the table at the place of the mistake.
-    MissingKey(String),
+    /// Required keys of a table are missing: at least one.
+    MissingKeys(Vec<MissingKey>),
     /// A number is outside its range.
     OutOfRange,
     /// A file cannot be opened or read.
@@ -32,30 +32,52 @@ pub(crate) struct Mistake {
     pub(crate) diagnostic: Diagnostic,
 }
 
+/// A required key that a table lacks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingKey {
+    /// The key as messages name it: its name, or its whole path.
+    pub name: String,
+    /// Its name below the table at the place of the mistake.
+    pub below: String,
+    /// What it may be.
+    pub expected: String,
+}
+
 impl Mistake {
-    /// Adds another mistake at the same place, if both are missing keys: one message names all of them.
+    /// Creates the mistake of missing keys, at least one: one message names all of them.
+    fn missing(keys: Vec<MissingKey>) -> Self {
+        let names: Vec<String> = keys.iter().map(|key| format!("`{}`", key.name)).collect();
+        let diagnostic = match (&keys[..], names.split_last()) {
+            ([key], _) => {
+                Diagnostic::new(format!("the key `{}` is missing", key.name)).expected(&key.expected)
+            }
+            (_, Some((last, others))) => {
+                let each: Vec<String> =
+                    keys.iter().zip(&names).map(|(key, name)| format!("{name}: {}", key.expected)).collect();
+                Diagnostic::new(format!("the keys {} and {last} are missing", others.join(", ")))
+                    .expected(each.join("; "))
+            }
+            (_, None) => Diagnostic::new("a key is missing"),
+        };
+        Self { kind: MistakeKind::MissingKeys(keys), diagnostic }
+    }
+
+    /// Adds another mistake at the same place, if both are missing keys.
     pub(crate) fn takes(&mut self, other: &Self) -> bool {
-        let (MistakeKind::MissingKey(_), MistakeKind::MissingKey(key)) = (&self.kind, &other.kind) else {
+        let (MistakeKind::MissingKeys(own), MistakeKind::MissingKeys(others)) = (&self.kind, &other.kind)
+        else {
             return false;
         };
-        let message = &self.diagnostic.message;
-        let words = |diagnostic: &Diagnostic| {
-            let words = diagnostic.expected.clone().unwrap_or_default();
-            words.strip_prefix("expected ").unwrap_or(&words).to_owned()
+        let Diagnostic { message, expected, .. } = {
+            let all = Self::missing([&own[..], others].concat());
+            self.kind = all.kind;
+            all.diagnostic
         };
-        let one = message.strip_prefix("the key ").and_then(|one| one.strip_suffix(" is missing"));
-        let several = message.strip_prefix("the keys ").and_then(|all| all.strip_suffix(" are missing"));
-        let (keys, before) = match (one, several) {
-            (Some(first), _) => (first.to_owned(), format!("{first}: {}", words(&self.diagnostic))),
-            (None, Some(several)) => (several.replace(" and ", ", "), words(&self.diagnostic)),
-            (None, None) => return false,
-        };
-        let expected = format!("{before}; `{key}`: {}", words(&other.diagnostic));
-        let diagnostic =
-            Diagnostic::new(format!("the keys {keys} and `{key}` are missing")).expected(expected);
-        let remedies = [&self.diagnostic.remedies[..], &other.diagnostic.remedies].concat();
-        let hint = self.diagnostic.hint.clone().or(other.diagnostic.hint.clone());
-        self.diagnostic = Diagnostic { remedies, ..diagnostic.hint_if(hint) };
+        let (own, other) = (&mut self.diagnostic, other.diagnostic.clone());
+        (own.message, own.expected) = (message, expected);
+        own.hint = own.hint.take().or(other.hint);
+        own.remedies.extend(other.remedies);
+        own.note = own.note.take().or(other.note);
         true
     }
 }
@@ -120,13 +142,13 @@ pub(crate) fn not_in_this_version(what: &str, choices: &[&str]) -> Mistake {
 
 /// A required key that is missing.
 pub(crate) fn missing_key(key: &str, expected: impl std::fmt::Display) -> Mistake {
-    let diagnostic = Diagnostic::new(format!("the key `{key}` is missing")).expected(expected);
-    Mistake { kind: MistakeKind::MissingKey(key.to_owned()), diagnostic }
+    missing_path(key, key, expected)
 }
 
 /// A required key that is missing, by its whole path; `below` is its name below the table at the place of the mistake.
 pub(crate) fn missing_path(path: &str, below: &str, expected: impl std::fmt::Display) -> Mistake {
-    Mistake { kind: MistakeKind::MissingKey(below.to_owned()), ..missing_key(path, expected) }
+    let (name, below, expected) = (path.to_owned(), below.to_owned(), expected.to_string());
+    Mistake::missing(vec![MissingKey { name, below, expected }])
 }
 
 /// A length that is missing, on which the places of light depend.
