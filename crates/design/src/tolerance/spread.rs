@@ -49,7 +49,8 @@ impl MetricDistribution {
             let [sum, .., count] = sums.without(left_out);
             centre + sum / count
         });
-        let deviation = deviation(&sums);
+        let values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
+        let deviation = with_tails(deviation(&sums), mean.value, &values);
         Some(Self {
             undefined: values.len() - sorted.len(),
             mean,
@@ -57,11 +58,6 @@ impl MetricDistribution {
             range: [first, last],
             percentiles: percentiles(&sorted),
         })
-    }
-
-    /// Returns whether the metric varies by more than rounding errors.
-    pub fn varies(&self) -> bool {
-        !is_rounding(self.mean.value, self.deviation.value.powi(2))
     }
 }
 
@@ -78,6 +74,37 @@ fn deviation(sums: &Sums<5>) -> Estimate {
     });
     let missing = found.standard_error.powi(2) / (2.0 * found.value);
     Estimate { value: if found.value > 0.0 { found.value + missing } else { found.value }, ..found }
+}
+
+/// Logit by which the largest value of other samples may lie beyond that of this one: with 95 % probability less.
+const BEYOND: f64 = 3.0;
+
+/// Adds to the standard error of a standard deviation what the jackknife does not know of long tails.
+///
+/// Most samples of a long tail lack its far values: their deviation and its jackknife error are both too small, and few samples have
+/// both too large. Two more errors are added as squares: of each tail, the change of the deviation if its last value lay as far out
+/// as the line of the [`TailLine`] puts it after [`BEYOND`]; and the change if the value that is farthest from the mean were absent,
+/// half of its share in the variance, as far as this is more than that of a normal distribution, about `2 ln n / n`. Tails that end
+/// have neither.
+fn with_tails(found: Estimate, mean: f64, sorted: &[f64]) -> Estimate {
+    let count = sorted.len() as f64;
+    let far = [sorted.first(), sorted.last()].map(|end| end.map_or(0.0, |end| (end - mean).abs()));
+    let variance = found.value.powi(2);
+    if variance.is_nan() || is_rounding(mean, variance) {
+        return found;
+    }
+    let tail = |end: usize| {
+        let (rank, outwards) = if end == 0 { (1.0, -1.0) } else { (count, 1.0) };
+        let Some(line) = TailLine::of(sorted, rank) else { return 0.0 };
+        let bend = outwards * line.bend;
+        let growth = if bend.abs() < 1e-9 { BEYOND } else { (BEYOND * bend).exp_m1() / bend };
+        let beyond = line.level.exp() * growth;
+        beyond * (2.0 * far[end] + beyond) / (2.0 * count * found.value)
+    };
+    let share = (far[0].max(far[1]).powi(2) / (count * variance)).min(1.0);
+    let of_farthest = 0.5 * (share - 2.0 * count.ln() / count).max(0.0) * found.value;
+    let errors = [found.standard_error, tail(0), tail(1), of_farthest];
+    Estimate { standard_error: errors.iter().map(|error| error * error).sum::<f64>().sqrt(), ..found }
 }
 
 /// Percentiles of sorted values, each given with its replicate.
@@ -123,63 +150,84 @@ const GAP: f64 = 6.0;
 const ITERATIONS: usize = 60;
 const SAME: f64 = 1e-6;
 
-/// Slope of the sorted values at a rank, over the logit of the fraction below, as far as an error of the logit reaches.
+/// Logarithm of the slope of sorted values over the logit of the fraction below, near a rank: a straight line over the logit.
 ///
 /// The intervals between neighbouring values, divided by the difference of the expected logits of the ranks k and k + 1 of n,
 /// `1/k + 1/(n - k)`, have an exponential distribution, whose mean is the slope. Its logarithm is a straight line over the logit
 /// near the rank: the slope changes quickly in tails that are long, or that end. The line is that of the largest likelihood, with a
-/// normal prior of its slope. The mean of the square of the estimate is that of the slope: errors of the line are included.
-fn slope(sorted: &[f64], rank: f64, error: f64) -> f64 {
-    let count = sorted.len() as f64;
-    let outside = rank.min(count + 1.0 - rank);
-    let half = count.sqrt().min((0.75 * outside).max(TAIL_INTERVALS / 6.0));
-    let least = if outside < count.sqrt() { TAIL_INTERVALS } else { 0.0 };
-    let mut low = (rank - half).round().max(1.0);
-    let mut high = (rank + half).round().min(count);
-    let is_below = 2.0 * rank < count;
-    if is_below {
-        high = high.max(low + least).min(count);
-    } else {
-        low = low.min(high - least).max(1.0);
-    }
-    let logit = |rank: f64| (rank / (count + 1.0 - rank)).ln();
-    let intervals: Vec<(f64, f64, f64)> = (low as usize..high as usize)
-        .map(|k| {
-            let (below, middle) = (k as f64, k as f64 + 0.5);
-            let size = (sorted[k] - sorted[k - 1]) / (1.0 / below + 1.0 / (count - below));
-            let most = if (middle - rank).abs() > half { GAP } else { f64::INFINITY };
-            (logit(middle) - logit(rank), size, most)
-        })
-        .collect();
-    let mean = intervals.iter().map(|(_, size, _)| size).sum::<f64>() / intervals.len() as f64;
-    // Also NaN, without intervals.
-    if !(mean > 0.0 && mean.is_finite()) {
-        return 0.0;
-    }
-    let products = intervals
-        .iter()
-        .fold([0.0, 0.0, BEND.powi(-2)], |[n, x, xx], (at, ..)| [n + 1.0, x + at, xx + at * at]);
-    let [n, x, xx] = products;
-    let determinant = n * xx - x * x;
-    let (mut level, mut bend) = (mean.ln(), 0.0);
-    for _ in 0..ITERATIONS {
-        let slopes = intervals.iter().fold([0.0, -bend * BEND.powi(-2)], |[of_level, of_bend], one| {
-            let (at, size, most) = *one;
-            let excess = (size * (-level - bend * at).exp()).min(most) - 1.0;
-            [of_level + excess, of_bend + excess * at]
-        });
-        let steps =
-            [(xx * slopes[0] - x * slopes[1]) / determinant, (n * slopes[1] - x * slopes[0]) / determinant];
-        let largest = steps[0].abs().max(steps[1].abs());
-        let part = 1.0 / largest.max(1.0);
-        (level, bend) = (level + part * steps[0], bend + part * steps[1]);
-        if largest < SAME {
-            break;
+/// normal prior of its slope.
+struct TailLine {
+    /// Value at the rank.
+    level: f64,
+    /// Change with the logit.
+    bend: f64,
+    /// Variance of the level.
+    variance: f64,
+}
+
+impl TailLine {
+    /// Fits the line at a rank; `None` if the values there are equal.
+    fn of(sorted: &[f64], rank: f64) -> Option<Self> {
+        let count = sorted.len() as f64;
+        let outside = rank.min(count + 1.0 - rank);
+        let half = count.sqrt().min((0.75 * outside).max(TAIL_INTERVALS / 6.0));
+        let least = if outside < count.sqrt() { TAIL_INTERVALS } else { 0.0 };
+        let mut low = (rank - half).round().max(1.0);
+        let mut high = (rank + half).round().min(count);
+        let is_below = 2.0 * rank < count;
+        if is_below {
+            high = high.max(low + least).min(count);
+        } else {
+            low = low.min(high - least).max(1.0);
         }
+        let logit = |rank: f64| (rank / (count + 1.0 - rank)).ln();
+        let intervals: Vec<(f64, f64, f64)> = (low as usize..high as usize)
+            .map(|k| {
+                let (below, middle) = (k as f64, k as f64 + 0.5);
+                let size = (sorted[k] - sorted[k - 1]) / (1.0 / below + 1.0 / (count - below));
+                let most = if (middle - rank).abs() > half { GAP } else { f64::INFINITY };
+                (logit(middle) - logit(rank), size, most)
+            })
+            .collect();
+        let mean = intervals.iter().map(|(_, size, _)| size).sum::<f64>() / intervals.len() as f64;
+        // Also NaN, without intervals.
+        if !(mean > 0.0 && mean.is_finite()) {
+            return None;
+        }
+        let products = intervals
+            .iter()
+            .fold([0.0, 0.0, BEND.powi(-2)], |[n, x, xx], (at, ..)| [n + 1.0, x + at, xx + at * at]);
+        let [n, x, xx] = products;
+        let determinant = n * xx - x * x;
+        let (mut level, mut bend) = (mean.ln(), 0.0);
+        for _ in 0..ITERATIONS {
+            let slopes = intervals.iter().fold([0.0, -bend * BEND.powi(-2)], |[of_level, of_bend], one| {
+                let (at, size, most) = *one;
+                let excess = (size * (-level - bend * at).exp()).min(most) - 1.0;
+                [of_level + excess, of_bend + excess * at]
+            });
+            let steps = [
+                (xx * slopes[0] - x * slopes[1]) / determinant,
+                (n * slopes[1] - x * slopes[0]) / determinant,
+            ];
+            let largest = steps[0].abs().max(steps[1].abs());
+            let part = 1.0 / largest.max(1.0);
+            (level, bend) = (level + part * steps[0], bend + part * steps[1]);
+            if largest < SAME {
+                break;
+            }
+        }
+        Some(Self { level, bend, variance: xx / determinant })
     }
+}
+
+/// Slope of the sorted values at a rank, over the logit of the fraction below, as far as an error of the logit reaches. The mean of
+/// the square of the estimate is that of the slope: errors of the line are included.
+fn slope(sorted: &[f64], rank: f64, error: f64) -> f64 {
+    let Some(TailLine { level, bend, variance }) = TailLine::of(sorted, rank) else { return 0.0 };
     // Outwards, a slope that grows counts at half of the error, beyond the last value.
-    let outwards = if is_below { -bend } else { bend };
-    (level + xx / determinant + 0.5 * error * outwards.max(0.0)).exp()
+    let outwards = if 2.0 * rank < sorted.len() as f64 { -bend } else { bend };
+    (level + variance + 0.5 * error * outwards.max(0.0)).exp()
 }
 
 /// Trigamma function of x from 1 on, with an error of at most 1.4 %: Abramowitz and Stegun 6.4.12.

@@ -201,6 +201,35 @@ fn deviations_of_few_displays_have_no_bias() {
     }
 }
 
+/// Over seeds, standard deviations of long tails deviate from those of closed forms by about their standard errors, whether the far
+/// values of a tail were drawn or not: of a lognormal distribution with sigma = 1, of Student's t with 5 degrees of freedom, and of an
+/// exponential distribution.
+#[test]
+fn deviations_of_long_tails_agree_with_standard_errors() {
+    const SEEDS: u64 = 60;
+    let e = std::f64::consts::E;
+    let lognormal = |x: &[f64]| ((x[0] + x[1] + x[2]) / 3_f64.sqrt()).exp();
+    let student = |x: &[f64]| x[0] / (x[1..].iter().map(|x| x * x).sum::<f64>() / 5.0).sqrt();
+    let exponential = |x: &[f64]| 0.5 * (x[0] * x[0] + x[1] * x[1]);
+    let cases: [(&str, usize, &dyn Fn(&[f64]) -> f64, f64); 3] = [
+        ("lognormal", 3, &lognormal, (e * (e - 1.0)).sqrt()),
+        ("Student", 6, &student, (5.0_f64 / 3.0).sqrt()),
+        ("exponential", 2, &exponential, 1.0),
+    ];
+    for (name, keys, f, wanted) in cases {
+        for rows in [64, 256, 1024] {
+            let squares = (0..SEEDS).map(|seed| {
+                let plan = standard_normal(keys)(seed);
+                let found = MetricDistribution::of(&column(&plan, rows, Draw::Own, f)).unwrap().deviation;
+                ((found.value - wanted) / found.standard_error).powi(2)
+            });
+            let rms = (squares.sum::<f64>() / SEEDS as f64).sqrt();
+            println!("{name}, {rows} displays: rms {rms:.2}");
+            assert!((0.5..1.6).contains(&rms), "{name}, {rows} displays: {rms}");
+        }
+    }
+}
+
 /// The same of indices: a fit of few displays has the errors of its own coefficients, and of what lies beyond the outermost displays.
 #[test]
 fn indices_of_few_displays_have_errors_of_the_right_size() {
