@@ -3,7 +3,7 @@
 use super::{Aims, FEASIBLE, SearchResult};
 
 /// Merits that differ by at most this count as equal. Optimisers satisfy limits to about a hundredth of it.
-const EQUAL: f64 = 1e-4;
+pub(super) const EQUAL: f64 = 1e-4;
 
 /// Returns the indices of the feasible designs that are not dominated: no other one is as good in every
 /// objective and better in one.

@@ -3,31 +3,32 @@
 //! **One objective.** Descents from `starts` points for every combination of choices; or a population; or a
 //! population followed by descents.
 //!
-//! **Several objectives.** First each objective is optimised alone. Then the first objective is optimised at
+//! **Several objectives.** First each objective is optimised alone. Many designs may be as good in it; of these, the one that is
+//! best in the next objectives is an end of the front (lexicographic order). Then the first objective is optimised at
 //! points along the front, with limits on the others (the epsilon-constraint method: Haimes, Lasdon and
-//! Wismer 1971). These tasks start from the designs of the first round and from new points. Finally each
+//! Wismer 1971). These tasks start from the ends and from new points. Finally each
 //! point of the front is optimised again, starting from its neighbours.
 
 use papilio_scenario::SearchMethod;
 
+use super::front::EQUAL;
 use super::starts::random_point;
 use super::{Search, SearchResult, Task, TaskMethod, front};
-
-/// Largest number of rounds.
-const ROUNDS: usize = 5;
 
 impl Search {
     /// Tasks of a round, given the results of the rounds before it; empty if the search is finished.
     pub(super) fn round(&self, round: usize, results: &[SearchResult]) -> Vec<Task> {
-        let population_first = self.spec.method == SearchMethod::Both;
-        let mut tasks = match (round, population_first) {
-            (0, _) => self.single_objectives(self.spec.method != SearchMethod::Gradient),
-            (1, true) => self.refinements(results),
-            _ if self.aims.objectives() == 1 || round >= ROUNDS => Vec::new(),
-            (1, false) | (2, true) => self.front_points(results),
-            (2, false) | (3, true)
-                if self.aims.objectives() == 2 && self.spec.method != SearchMethod::Global =>
-            {
+        let objectives = self.aims.objectives();
+        // Rounds until each objective is optimised alone, and until all ends of the front are known.
+        let alone = 1 + usize::from(self.spec.method == SearchMethod::Both);
+        let ends = alone + objectives - 1;
+        let mut tasks = match round {
+            0 => self.single_objectives(self.spec.method != SearchMethod::Gradient),
+            _ if round < alone => self.refinements(results),
+            _ if round < ends => self.tasks_of_ends(1 + round - alone, results),
+            _ if objectives == 1 => Vec::new(),
+            _ if round == ends => self.front_points(results),
+            _ if round == ends + 1 && objectives == 2 && self.spec.method != SearchMethod::Global => {
                 self.tasks_from_neighbours(results)
             }
             _ => Vec::new(),
@@ -43,7 +44,7 @@ impl Search {
             2 if self.spec.method != SearchMethod::Global => 2,
             _ => 1,
         };
-        1 + usize::from(self.spec.method == SearchMethod::Both) + of_front
+        usize::from(self.spec.method == SearchMethod::Both) + self.aims.objectives() + of_front
     }
 
     fn task(
@@ -93,6 +94,31 @@ impl Search {
             .collect()
     }
 
+    /// Tasks that optimise, for each end of the front, the objective that is `step` after its own, without loss in its own and those
+    /// between them. They start from all ends.
+    fn tasks_of_ends(&self, step: usize, results: &[SearchResult]) -> Vec<Task> {
+        let ends = self.ends(results);
+        let objectives = self.aims.objectives();
+        let each = (self.spec.evaluations / (self.spec.starts + ends.len()).max(1)).max(1);
+        let mut tasks = Vec::new();
+        for (own, end) in ends.iter().enumerate() {
+            let mut limits = self.no_limits();
+            for objective in (own..own + step).map(|objective| objective % objectives) {
+                limits[objective] = self.aims.merit(objective, &end.values);
+            }
+            let next = (own + step) % objectives;
+            if self.spec.method == SearchMethod::Global {
+                tasks.push(self.task(next, limits, TaskMethod::Population, self.spec.evaluations));
+                continue;
+            }
+            tasks.extend(
+                ends.iter()
+                    .map(|one| self.task(next, limits.clone(), TaskMethod::From(one.design.clone()), each)),
+            );
+        }
+        tasks
+    }
+
     /// Tasks that optimise the first objective along the front, with limits on the others.
     fn front_points(&self, results: &[SearchResult]) -> Vec<Task> {
         let ends = self.ends(results);
@@ -124,14 +150,21 @@ impl Search {
         tasks
     }
 
-    /// Best design of each objective: the ends of the front.
+    /// Best design of each objective: the ends of the front. Of equal ones, the best in the next objective, and so on.
     fn ends<'a>(&self, results: &'a [SearchResult]) -> Vec<&'a SearchResult> {
-        let best = |objective: usize| {
-            let front = front(&self.aims, results).into_iter().map(|at| &results[at]);
-            let merit = |one: &SearchResult| self.aims.merit(objective, &one.values).unwrap_or(f64::INFINITY);
-            front.min_by(|a, b| merit(a).total_cmp(&merit(b)))
+        let objectives = self.aims.objectives();
+        let all = front(&self.aims, results);
+        let best = |own: usize| {
+            let mut equal: Vec<&SearchResult> = all.iter().map(|at| &results[*at]).collect();
+            for objective in (own..own + objectives).map(|objective| objective % objectives) {
+                let merit =
+                    |one: &SearchResult| self.aims.merit(objective, &one.values).unwrap_or(f64::INFINITY);
+                let least = equal.iter().map(|one| merit(one)).fold(f64::INFINITY, f64::min);
+                equal.retain(|one| merit(one) <= least + EQUAL);
+            }
+            equal.first().copied()
         };
-        (0..self.aims.objectives()).filter_map(best).collect()
+        (0..objectives).filter_map(best).collect()
     }
 
     /// Best and worst merit of each objective among the ends of the front.

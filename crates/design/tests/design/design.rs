@@ -415,3 +415,39 @@ fn front_designs_are_not_dominated() {
         assert!(!feasible.iter().any(|other| dominates(*other)));
     }
 }
+
+/// A white w and a black b of paper, w from 0.3 to 0.8 and b from 0.02 to 0.3: white is to be bright, and the contrast near 2. The
+/// first objective is flat in b. At every w of the front the contrast is above 2, so all of it has the brightest black, b = 0.3; an end
+/// with any other b would be dominated, and limits that begin there would lie beside the front.
+#[test]
+fn ends_of_the_front_are_best_in_the_other_objective_too() {
+    let paper = r#"
+[spectrum]
+step_nm = 20
+[display.pixel]
+model = "uniform"
+kind = "lambertian"
+reflectance = { white = 0.5, black = 0.1 }
+[optimize]
+starts = 2
+evaluations = 200
+points = 5
+variables = [
+  { key = "display.pixel.reflectance.white", bounds = [0.3, 0.8] },
+  { key = "display.pixel.reflectance.black", bounds = [0.02, 0.3] },
+]
+objectives = [{ metric = "white.Y", aim = "maximise" }, { metric = "contrast_ratio", aim = { target = 2 } }]
+"#;
+    let spec = Optimisation::from_text(paper, "test.toml", Path::new(""), &[]).unwrap();
+    let mut evaluator = Evaluator::new(Arc::new(Study::of(&spec)), &STOP);
+    let search = Arc::new(Search::new(spec, &mut evaluator).unwrap());
+    let (found, _) = run(&search, &evaluator, 1, &SearchRecords::default());
+    let all = search.selected(&found, &mut evaluator).unwrap();
+    let white: Vec<f64> = all.iter().map(|one| one.design[0]).collect();
+    assert!(all.iter().all(|one| (one.design[1] - 0.3).abs() < 1e-4), "{all:?}");
+    assert!(white.len() >= 5 && (white[0] - 0.8).abs() < 1e-6, "{white:?}");
+    // Merits that differ by 1e-4, at the other end contrasts that differ by 0.05 from 2, count as equal.
+    let contrast = all[all.len() - 1].values[1].unwrap();
+    assert!((contrast - 2.0).abs() < 0.06, "{contrast}");
+    assert!(white.is_sorted_by(|a, b| a > b), "{white:?}");
+}
