@@ -12,7 +12,7 @@ use super::model::{Model, Unit, counted};
 use super::problem::{CommonDeviations, Problem, display_values, values};
 use super::profile::{End, ends as ends_of, is_at_bound};
 use super::report::{Estimated, FitReport, FittedVariable, Residual, Starts};
-use super::statistics::{self, rms, runs, student};
+use super::statistics::{self, rms, runs};
 use super::undetermined::{Determined, determined, with_spanning};
 use super::wavelengths::Wavelengths;
 use crate::measured::error_of_metric;
@@ -329,7 +329,7 @@ impl<'stop> Fitting<'stop> {
             self.model.observations.get(residual).is_some_and(|one| one.standard_deviation.is_none())
         };
         let freedom = statistics::freedom(&best.jacobian, &covariance, is_unstated);
-        let quantiles_of = |variable: usize| QUANTILES.map(|z| student(z, freedom[variable].max(1.0)));
+        let quantiles_of = |variable: usize| QUANTILES.map(|z| freedom[variable].quantile(z));
         let tasks: Vec<(usize, f64)> = (0..n)
             .filter(|k| !undetermined.iter().flatten().any(|other| other == k))
             .flat_map(|k| [(k, -1.0), (k, 1.0)])

@@ -69,14 +69,34 @@ pub(super) fn leverages(jacobian: &[Vec<f64>], covariance: &[f64]) -> Vec<f64> {
     (0..residuals).map(of).collect()
 }
 
-/// Degrees of freedom of each variable's standard error (Welch 1947, Satterthwaite 1946), if the standard
+/// How well the standard error of a variable is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Freedom {
+    /// Degrees of freedom: infinite for a variable that only residuals of known standard deviation determine.
+    pub(super) degrees: f64,
+    /// Factor of the standard error, because the weights of both groups of residuals follow from an estimate.
+    pub(super) widening: f64,
+}
+
+impl Freedom {
+    /// Quantile whose two-sided probability is that of the normal quantile `z`, in standard errors.
+    pub(super) fn quantile(self, z: f64) -> f64 {
+        self.widening * student(z, self.degrees.max(1.0))
+    }
+}
+
+/// Freedom of each variable's standard error, if the standard
 /// deviation of the residuals that `is_estimated` names follows from themselves, and those of the others are
-/// known: infinite for a variable that only these determine.
+/// known.
+///
+/// With the share u of the estimated residuals in the variance C of a variable, and v degrees of freedom of their standard deviation,
+/// the variance has `v / u^2` (Welch 1947, Satterthwaite 1946). Weights that differ from the true ones increase the true variance by
+/// `2 u (1 - u) C / v`, and C is too small by as much: M. G. Kenward and J. H. Roger, Biometrics 53, 983 (1997).
 pub(super) fn freedom(
     jacobian: &[Vec<f64>],
     covariance: &[f64],
     is_estimated: impl Fn(usize) -> bool,
-) -> Vec<f64> {
+) -> Vec<Freedom> {
     let leverages = leverages(jacobian, covariance);
     let estimated = leverages.iter().enumerate().filter(|(residual, _)| is_estimated(*residual));
     let all: f64 = estimated.map(|(_, leverage)| 1.0 - leverage).sum();
@@ -84,7 +104,8 @@ pub(super) fn freedom(
         let squares = || influences.iter().enumerate().map(|(residual, a)| (residual, a * a));
         let own: f64 = squares().filter(|(residual, _)| is_estimated(*residual)).map(|(_, a)| a).sum();
         let share = own / squares().map(|(_, a)| a).sum::<f64>();
-        if share > 0.0 { all / (share * share) } else { f64::INFINITY }
+        let degrees = if share > 0.0 { all / (share * share) } else { f64::INFINITY };
+        Freedom { degrees, widening: (1.0 + 4.0 * share * (1.0 - share) / all.max(1.0)).sqrt() }
     };
     influences(jacobian, covariance).iter().map(of).collect()
 }
@@ -127,6 +148,8 @@ pub(super) fn rms(model: &Model, differences: &[f64], unit: Unit) -> Option<f64>
 
 #[cfg(test)]
 mod tests {
+    use papilio_testing::Dice;
+
     use super::*;
 
     /// Four numbers of a mean, and a prior of another variable; the second prior shares in the mean.
@@ -136,11 +159,47 @@ mod tests {
         let covariance = [0.25, 0.0, 0.0, 1.0];
         assert_eq!(leverages(&jacobian, &covariance), [0.25, 0.25, 0.25, 0.25, 1.0]);
         let is_estimated = |residual: usize| residual < 4;
-        assert_eq!(freedom(&jacobian, &covariance, is_estimated), [3.0, f64::INFINITY]);
+        let of = |degrees: f64, widening: f64| Freedom { degrees, widening };
+        assert_eq!(freedom(&jacobian, &covariance, is_estimated), [of(3.0, 1.0), of(f64::INFINITY, 1.0)]);
         // A prior as strong as the mean: half of the variance is from the data, which lose half a degree.
         let shared = [vec![1.0, 1.0, 1.0, 1.0, 2.0]];
-        assert_eq!(freedom(&shared, &[0.125], is_estimated), [3.5 / 0.25]);
+        assert_eq!(freedom(&shared, &[0.125], is_estimated), [of(3.5 / 0.25, (1.0 + 1.0 / 3.5_f64).sqrt())]);
         assert_eq!(student(2.0, f64::INFINITY), 2.0);
+    }
+
+    /// A mean of few numbers without a stated deviation, and a prior: 95 % intervals contain 93 to 97 % of the means that are
+    /// drawn from the prior, whether it or the numbers are stronger. Those of Satterthwaite alone contain 90.5 % in the worst case.
+    #[test]
+    fn intervals_of_few_numbers_and_a_prior_cover_their_probability() {
+        const DRAWS: usize = 20_000;
+        let mut dice = Dice::new(5, 0);
+        let mut normal = || (-2.0 * dice.throw().ln()).sqrt() * (std::f64::consts::TAU * dice.throw()).cos();
+        for (count, of_mean) in
+            [(2, 0.3), (2, 0.5), (2, 1.0), (3, 0.5), (3, 1.0), (4, 0.5), (4, 1.0), (4, 3.0)]
+        {
+            let prior = of_mean / f64::sqrt(count as f64);
+            let mut inside = 0;
+            for _ in 0..DRAWS {
+                let truth = prior * normal();
+                let data: Vec<f64> = (0..count).map(|_| truth + normal()).collect();
+                let mean = data.iter().sum::<f64>() / count as f64;
+                let (mut deviation, mut found, mut precision) = (1.0, mean, 1.0);
+                for _ in 0..60 {
+                    let of_data = count as f64 / f64::powi(deviation, 2);
+                    precision = of_data + prior.powi(-2);
+                    found = mean * of_data / precision;
+                    let squares = data.iter().map(|one| (one - found).powi(2)).sum::<f64>();
+                    let free = f64::max(count as f64 - of_data / precision, 1.0);
+                    deviation = (0.5 * (deviation * deviation + squares / free)).sqrt().max(1e-6);
+                }
+                let mut row = vec![1.0 / deviation; count];
+                row.push(1.0 / prior);
+                let of = freedom(&[row], &[1.0 / precision], |residual| residual < count)[0];
+                inside += usize::from((found - truth).abs() < of.quantile(1.959_964) / precision.sqrt());
+            }
+            let covered = inside as f64 / DRAWS as f64;
+            assert!((0.93..0.97).contains(&covered), "{count} numbers, prior {of_mean}: {covered}");
+        }
     }
 
     #[test]

@@ -292,3 +292,28 @@ fn mean_of_fine(places: &[[f64; 2]], lights: &[f64]) -> f64 {
     let choices = 1 << apart.len();
     (0..choices).map(of_choice).sum::<f64>() / choices as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two chains of two meetings, of which one meeting lies on the page: each has the light of its own combination.
+    #[test]
+    fn figure_has_the_light_of_each_meeting_at_its_place() {
+        let places = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]];
+        // First on the figure and second on the page is 3; the other way round 2.
+        let lights = vec![0.0, 2.0, 3.0, 6.0];
+        let group = Group { meetings: 2, places, lights: [lights.clone(), lights].concat(), count: 2 };
+        let figures = Figures { groups: vec![group], states: [0, 1] };
+        let is_second = |place: [f64; 2]| place[0] > 0.5;
+        let found = |first: usize| {
+            let group = &figures.groups[0];
+            let (places, lights) = group.chains(0..2).nth(first).unwrap();
+            lights[bits(places, is_second)]
+        };
+        assert_eq!([found(0), found(1)], [3.0, 2.0]);
+        assert_eq!(figures.at_place([0.0, 6.0], is_second), 2.5);
+        // Stripes of 1 mm: each chain has either combination over half of the positions.
+        assert_eq!(figures.of_pattern([0.0, 6.0], PatternKind::Stripes, 2.0), 2.5);
+    }
+}

@@ -342,6 +342,23 @@ mod tests {
         irradiance(faces, [[step_mm, 0.0], [0.0; 2]], STRIPES, rho, 1e-9)
     }
 
+    /// A cell has the light of the two cells in which the place lies from which it comes, by linear interpolation: on both axes,
+    /// and over the end of the period.
+    #[test]
+    fn light_moves_by_parts_of_cells() {
+        let cells = Cells { count: [4, 3], period_mm: [2.0, 1.5] };
+        let light: Vec<f64> = (0..12).map(|cell| f64::from(cell * cell)).collect();
+        let at = |column: i64, row: i64| light[(row.rem_euclid(3) * 4 + column.rem_euclid(4)) as usize];
+        // Cells are 0.5 mm wide: 1.2 cells along a row, 0.7 of a row back.
+        let found = moved(&light, cells, [0.6, -0.35]);
+        for (cell, found) in found.into_iter().enumerate() {
+            let (x, y) = ((cell % 4) as i64, (cell / 4) as i64);
+            let of_row = |y: i64| 0.8 * at(x - 1, y) + 0.2 * at(x - 2, y);
+            let expected = 0.3 * of_row(y) + 0.7 * of_row(y + 1);
+            assert!((found - expected).abs() < 1e-12, "{x} {y}: {found} {expected}");
+        }
+    }
+
     /// 1/(1 - F rho) of a page, wherever light goes; a geometric series of up to 1e5 orders, too.
     #[test]
     fn irradiance_of_bright_mirrors_is_that_of_all_orders() {

@@ -326,3 +326,43 @@ impl Chain {
 fn limit(number: usize, index: f64) -> f64 {
     if number % 2 == 1 { index * index } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use papilio_optics::lobe::Lobe;
+
+    use super::*;
+
+    /// In the plane of the lamp, light crosses the glass by `tan` of its angle there, and the air twice by that in air.
+    #[test]
+    fn meetings_lie_where_the_light_crosses_glass_and_air() {
+        let view = Cone::new(0.0, 0.0, 1.0, 1.0);
+        let diffuser = Diffuser {
+            lobe: Lobe::KCorrelation { width: 0.1 },
+            transmittance: vec![1.0].into(),
+            regular_fraction: 0.0,
+        };
+        let (index, glass_mm, air_mm) = (1.5, 0.7, 0.3);
+        let way = Way {
+            view: &view,
+            source: &Source::Diffuse,
+            diffuser: &diffuser,
+            index,
+            glass_mm,
+            air_mm,
+            kept: 1.0,
+        };
+        let sines = [0.1, -0.3, 0.5, 0.2, 0.4_f64];
+        let beta = sines.iter().map(|x| Beta { x: *x, y: 0.0 }).collect();
+        let chain = Chain { beta, kept: vec![false; 4] };
+        let mut found = Vec::new();
+        chain.each_place(&way, |place| found.push(place));
+        let in_glass = |sine: f64| glass_mm * (sine / index).asin().tan();
+        let first = in_glass(sines[1]) - in_glass(sines[0]);
+        let second = first + in_glass(sines[1]) + 2.0 * air_mm * sines[2].asin().tan() + in_glass(sines[3]);
+        assert_eq!(found.len(), 2);
+        for ([x, y], expected) in found.into_iter().zip([first, second]) {
+            assert!((x - expected).abs() < 1e-12 && y == 0.0, "{x} {y} {expected}");
+        }
+    }
+}

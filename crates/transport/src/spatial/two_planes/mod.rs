@@ -395,11 +395,11 @@ impl TwoPlanes {
             }
             for (x, y) in products(&pieces) {
                 let (to, from) = (self.cells.cell([x.to, y.to]), self.cells.cell([x.from, y.from]));
-                let entered = self.cells.window([x.at[0], y.at[0]]);
-                let left = self.cells.window([x.at[1], y.at[1]]);
+                // Light has the product of both passes of the filter, in either order.
+                let [one, other] = [0, 1].map(|pass| self.cells.window([x.at[pass], y.at[pass]]));
                 let share = weight * x.length * y.length / self.cells.area(to);
                 let slot = &mut self.returned[(to * count + from) * bins..][..bins];
-                let both = &both[(entered * windows + left) * bins..][..bins];
+                let both = &both[(one * windows + other) * bins..][..bins];
                 slot.iter_mut().zip(both).for_each(|(slot, both)| *slot += share * both);
             }
         }
