@@ -58,8 +58,6 @@ pub(super) struct Meetings {
     places_mm: Vec<[f64; 2]>,
     /// `[place][state]`; the sum over the places is 1, or 0 without light.
     parts: Vec<f64>,
-    /// Numbers of the places of meetings that are not seen directly.
-    later: Vec<usize>,
     states: usize,
     /// Number of meetings of this light, its mean, `[state]`.
     pub(super) number: Vec<f64>,
@@ -75,7 +73,7 @@ impl Meetings {
         states: usize,
         reflectance: impl Fn(f64, &mut [f64]),
     ) -> Self {
-        let (mut places_mm, mut parts, mut later) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut places_mm, mut parts) = (Vec::new(), Vec::new());
         let (mut light, mut all) = (vec![0.0; states], vec![0.0; states]);
         let mut chain = Chain::default();
         let (mut rho, mut seen) = (vec![0.0; states], vec![0.0; states]);
@@ -90,12 +88,10 @@ impl Meetings {
                     reflectance(beta.squared(), &mut rho);
                     seen.iter_mut().zip(&rho).for_each(|(seen, rho)| *seen *= rho.max(0.0));
                 }
-                let first = places_mm.len();
                 chain.each_place(way, |place_mm| {
                     places_mm.push(place_mm);
                     parts.extend(&seen);
                 });
-                later.extend(first + 1..places_mm.len());
                 for (state, seen) in seen.iter().enumerate() {
                     light[state] += seen;
                     all[state] += meetings as f64 * seen;
@@ -106,7 +102,7 @@ impl Meetings {
         parts.chunks_exact_mut(states).for_each(|row| row.iter_mut().zip(&scale).for_each(|(p, s)| *p *= s));
         let number = light.iter().zip(&all).map(|(light, all)| if *light > 0.0 { all / light } else { 2.0 });
         let number = number.collect();
-        let mut found = Self { places_mm, parts, later, states, number, lines: Default::default() };
+        let mut found = Self { places_mm, parts, states, number, lines: Default::default() };
         found.lines = [0, 1].map(|axis| found.line(axis, CLOSE_OF_THICKNESS * way.glass_mm));
         found
     }
@@ -141,39 +137,13 @@ impl Meetings {
         &self.parts[point * self.states..][..self.states]
     }
 
-    /// Mean of a function of the place over the meetings that are not seen directly, `[state]`.
-    pub(super) fn mean_of_later(&self, of: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
-        let mut sums = vec![0.0; self.states];
-        for point in &self.later {
-            let value = of(self.places_mm[*point]);
-            sums.iter_mut().zip(self.of(*point)).for_each(|(sum, part)| *sum += part * value);
-        }
-        sums.iter().zip(&self.number).map(|(sum, number)| sum * number / (number - 1.0)).collect()
-    }
-
-    /// Parts of the meetings that are not seen directly in cells between ascending borders, mm, rows from the bottom; the
-    /// sum over all places is 1, `[state][cell]`.
-    pub(super) fn cells_of_later(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
-        let scale = self.number.iter().map(|number| number / (number - 1.0));
-        let mut cells = self.in_cells(self.later.iter().copied(), x_mm, y_mm);
-        cells
-            .iter_mut()
-            .zip(scale)
-            .for_each(|(cells, scale)| cells.iter_mut().for_each(|part| *part *= scale));
-        cells
-    }
-
     /// Parts of all meetings in cells.
     pub(super) fn cells(&self, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
-        self.in_cells(0..self.places_mm.len(), x_mm, y_mm)
-    }
-
-    fn in_cells(&self, points: impl Iterator<Item = usize>, x_mm: &[f64], y_mm: &[f64]) -> Vec<Vec<f64>> {
         let columns = x_mm.len() - 1;
         let between = |edges: &[f64], at: f64| {
             edges.partition_point(|edge| *edge <= at).checked_sub(1).filter(|bin| *bin + 1 < edges.len())
         };
-        self.in_bins(points, columns * (y_mm.len() - 1), |[x, y]| {
+        self.in_bins(columns * (y_mm.len() - 1), |[x, y]| {
             between(x_mm, x).zip(between(y_mm, y)).map(|(column, row)| row * columns + column)
         })
     }
@@ -190,18 +160,13 @@ impl Meetings {
 
     /// Parts of all meetings in bins, `[state][bin]`.
     pub(super) fn bins(&self, count: usize, bin: impl Fn([f64; 2]) -> usize) -> Vec<Vec<f64>> {
-        self.in_bins(0..self.places_mm.len(), count, |place| Some(bin(place)))
+        self.in_bins(count, |place| Some(bin(place)))
     }
 
-    fn in_bins(
-        &self,
-        points: impl Iterator<Item = usize>,
-        count: usize,
-        bin: impl Fn([f64; 2]) -> Option<usize>,
-    ) -> Vec<Vec<f64>> {
+    fn in_bins(&self, count: usize, bin: impl Fn([f64; 2]) -> Option<usize>) -> Vec<Vec<f64>> {
         let mut bins = vec![vec![0.0; count]; self.states];
-        for point in points {
-            if let Some(bin) = bin(self.places_mm[point]) {
+        for (point, place_mm) in self.places_mm.iter().enumerate() {
+            if let Some(bin) = bin(*place_mm) {
                 bins.iter_mut().zip(self.of(point)).for_each(|(bins, part)| bins[bin] += part);
             }
         }

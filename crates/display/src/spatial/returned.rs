@@ -24,7 +24,7 @@ use super::meetings::{Meetings, Points, Way};
 use super::patterns::{Pattern, Text};
 use super::response::Lit;
 use super::series::add;
-use super::{Level, PatternKind, Response};
+use super::{Level, Response};
 use crate::DisplayError;
 
 /// Points of the first level, and natural digits in which there are twice as many.
@@ -66,7 +66,7 @@ pub(super) fn response(
 
 impl Returned {
     /// Below a front that returns light; `first` is the light of the source that meets the pixel once.
-    pub(super) fn new(
+    fn new(
         lit: Lit<'_>,
         (source, first): (&Source, LobeResponse),
         weights: &[f64],
@@ -137,44 +137,8 @@ impl Returned {
     }
 
     /// Y of what returns to a page of a state.
-    pub(super) fn returned(&self, state: usize) -> f64 {
+    fn returned(&self, state: usize) -> f64 {
         self.once[state] * (self.orders[state] - 1.0)
-    }
-
-    /// Fraction of what returns to a line of a state that comes from the line itself; `at_mm`: of the place,
-    /// from its middle.
-    pub(super) fn own_of_line(&self, state: usize, (axis, width_mm): (usize, f64), at_mm: f64) -> f64 {
-        let inside = |place: [f64; 2]| f64::from((place[axis] + at_mm).abs() < 0.5 * width_mm);
-        self.mean_of_later(inside)[state]
-    }
-
-    /// What a state of one half of a pattern returns to itself, less what the other half does: the correlation of the
-    /// pattern with itself.
-    pub(super) fn own_of_pattern(&self, state: usize, kind: PatternKind, period_mm: f64) -> f64 {
-        if period_mm == 0.0 {
-            return 0.0;
-        }
-        let along = |at_mm: f64| 1.0 - 4.0 * (at_mm / period_mm - (at_mm / period_mm).round()).abs();
-        self.mean_of_later(|[x, y]| match kind {
-            PatternKind::Stripes => along(x),
-            PatternKind::Checkerboard => along(x) * along(y),
-        })[state]
-    }
-
-    /// Fraction of what returns to each stroke of text of a state that comes from text.
-    pub(super) fn own_of_text(&self, state: usize, text: &Text<'_>) -> Vec<f64> {
-        let (x, y) = (text.edges(0), text.edges(1));
-        match &self.meetings {
-            Some(meetings) => text.over_black(&meetings.cells_of_later(&x, &y)[state]),
-            None => text.over_black(&vec![0.0; (x.len() - 1) * (y.len() - 1)]),
-        }
-    }
-
-    /// Mean of a function of the place of what returns, `[state]`.
-    fn mean_of_later(&self, of: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
-        self.meetings
-            .as_ref()
-            .map_or_else(|| vec![0.0; self.once.len()], |meetings| meetings.mean_of_later(of))
     }
 
     /// Light in bins: that of the first order, and that of all meetings of what is returned.

@@ -144,8 +144,7 @@ fn contrast_of_text_does_not_depend_on_white_beside_it() {
     }
 }
 
-/// A front that reflects above a lobe: what it returns is estimated, within the stated errors, which are
-/// about the product of the reflectances of front and pixel.
+/// A front that reflects above a lobe: light that it returns meets the sub-pixels and figures at its places.
 #[test]
 fn fronts_above_a_lobe_agree_within_stated_errors() {
     let front = "[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n";
@@ -154,9 +153,25 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
         assert_agree(name, &parts, 1 << 13);
         let exact = computed(&resolved(&parts, "relative_error = 1e-4")).unwrap().views.remove(0);
         for (number, value, stated) in numbers(&exact) {
-            assert!(stated < 0.15 * value.max(0.5), "{name}, {number}: {value} +- {stated}");
+            assert!(stated < 0.005 * value.max(0.5), "{name}, {number}: {value} +- {stated}");
         }
     }
+}
+
+/// One front stands for several that are apart: how far away it is, is within the stated errors.
+#[test]
+fn fronts_that_are_apart_have_the_error_of_their_distance() {
+    let text = |gap_mm: f64| {
+        let fronts = format!(
+            "[[display.front]]\nreflectance = 0.3\ngap_mm = {gap_mm}\n[[display.front]]\nreflectance = 0.3\ngap_mm = 0.1\n"
+        );
+        let parts = [&fronts, LOBE, GLASS, PAPER, MATRIX, MIXED, VIEW];
+        let pattern =
+            computed(&resolved(&parts, "relative_error = 1e-4")).unwrap().views.remove(0).patterns.remove(3);
+        [pattern.values, pattern.error].map(|numbers| numbers.contrast_ratio_via_pixel.unwrap())
+    };
+    let [[near, _], [far, error]] = [0.0, 4.0].map(text);
+    assert!((far - near).abs() > 0.01 && error > 0.5 * (far - near).abs(), "{near}, {far} +- {error}");
 }
 
 /// Mirror-like pixels below a bare face, and below a front above it: a figure is seen again at the places of

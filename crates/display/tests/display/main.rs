@@ -15,6 +15,7 @@ mod by_light_and_angle;
 mod common;
 mod crosstalk;
 mod crosstalk_by_paths;
+mod crosstalk_returned;
 mod depolarisation;
 mod designs;
 mod filter;

@@ -1,28 +1,49 @@
 //! Figures below a lobe: light that meets the pixels once, by direction and place, and what a front returns to
-//! them before (`orders.rs`).
+//! them before (`returned.rs`; of Lambertian pixels, `flat.rs`).
 
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Source};
 
-use super::super::irradiance::Above;
-use super::super::patterns::Text;
 use super::super::response::Lit;
-use super::super::returned::Returned;
-use super::super::{PatternKind, lobe};
-use super::frame::{Frame, returns};
+use super::flat::colour;
+use super::frame::Frame;
 use super::measure::Figures;
-use super::orders::{Back, Orders};
 use super::places::{Gathered, NEIGHBOURS, Wanted, cell, gather};
+use super::returned::Returned;
 use super::{Colour, Figure};
 use crate::DisplayError;
 
+/// What a view sees of the pixels below a lobe, in one light or all.
+pub(super) struct Blurred {
+    /// Light that meets the pixels once; its page is that of all orders.
+    pub(super) once: Gathered,
+    /// Uniform pages in light that meets them once, `[state]`.
+    pages: Vec<Colour>,
+    /// What a front returns to mirror-like pixels.
+    returned: Option<Returned>,
+}
+
+impl Blurred {
+    /// Adds light of another source.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.once.add(&other.once);
+        self.pages.iter_mut().zip(&other.pages).for_each(|(sum, more)| super::add(sum, *more));
+        if let (Some(sum), Some(more)) = (&mut self.returned, &other.returned) {
+            sum.add(more);
+        }
+    }
+}
+
 impl Frame<'_> {
-    fn gathered(
+    /// What is seen in the light of a source; `all` is the light of pages through all orders, `[state][wavelength]`.
+    pub(super) fn below_lobe(
         &self,
-        Lit { panel: whole, view, level, .. }: Lit<'_>,
+        lit: Lit<'_>,
         source: &Source,
         weights: &[Vec<f64>; 3],
-    ) -> Result<(Gathered, Vec<Colour>), DisplayError> {
+        all: &[f64],
+    ) -> Result<Blurred, DisplayError> {
+        let Lit { panel: whole, view, level, .. } = lit;
         let accuracy = Accuracy { digits: level.digits, most_per_mm: level.most_per_mm };
         let mut panel = Panel { base: self.surfaces.base.clone(), ..whole.clone() };
         // What the front returns is added below.
@@ -32,116 +53,77 @@ impl Frame<'_> {
         })?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
         let bases = [&panel.base, &whole.base];
-        Ok(gather(&spread, (bases, &panel.medium), weights, &self.windows, &wanted))
-    }
-
-    /// Light that meets the pixels once and, if a front returns some of it, the same of diffuse light.
-    pub(super) fn orders(
-        &self,
-        lit: Lit<'_>,
-        source: &Source,
-        weights: &[Vec<f64>; 3],
-    ) -> Result<Orders, DisplayError> {
-        let (once, pages) = self.gathered(lit, source, weights)?;
-        // Paper is seen from the same places in any light.
-        let diffuse = match source {
-            _ if !lit.returns() || !lit.panel.base.is_specular() => None,
-            Source::Diffuse => Some((once.clone(), pages.clone())),
-            _ => Some(self.gathered(lit, &Source::Diffuse, weights)?),
-        };
-        Ok(Orders { once, pages, diffuse, own: Default::default() })
-    }
-
-    /// Y of light that returns to mirror-like figures, and what of it comes from the figure itself,
-    /// `[figure][state]`.
-    pub(super) fn own_light(
-        &self,
-        lit: Lit<'_>,
-        source: &Source,
-        weights: &[f64],
-        via_pixel: &[f64],
-    ) -> Result<[Vec<[f64; 2]>; 4], DisplayError> {
-        let first = lobe::response(lit, source, weights)?;
-        let returned = Returned::new(lit, (source, first), weights, via_pixel)?;
-        let pitch_mm = self.matrix.pitch_mm[0];
-        let strokes = self.text.as_ref().map(|bitmap| bitmap.middles().strokes).unwrap_or_default();
-        let text = self.text.as_ref().filter(|_| !strokes.is_empty());
-        let text = text.map(|bitmap| Text { bitmap, pitch_mm: self.matrix.pitch_mm, middles: &strokes });
-        let fraction = |figure: Figure, state: usize| match figure {
-            Figure::Patch => 1.0,
-            Figure::Stripe => returned.own_of_pattern(state, PatternKind::Stripes, 2.0 * pitch_mm),
-            // The mean over a pixel, by Gauss's rule.
-            Figure::Line => [-1.0, 0.0, 1.0]
-                .map(|at: f64| {
-                    let weight = if at == 0.0 { 4.0 / 9.0 } else { 5.0 / 18.0 };
-                    weight * returned.own_of_line(state, (0, pitch_mm), 0.5 * at * 0.6_f64.sqrt() * pitch_mm)
-                })
-                .iter()
-                .sum(),
-            Figure::Text => text.as_ref().map_or(0.0, |text| {
-                returned.own_of_text(state, text).iter().sum::<f64>() / strokes.len() as f64
-            }),
-        };
-        Ok(Figure::ALL.map(|figure| {
-            let of_state = |state: usize| {
-                let light = returned.returned(state);
-                [light, light * fraction(figure, state)]
+        let (mut once, pages) = gather(&spread, (bases, &panel.medium), weights, &self.windows, &wanted);
+        let mut returned = None;
+        if lit.returns() && whole.base.is_specular() {
+            let through = |part: &papilio_transport::spatial::Part| -> f64 {
+                weights[1].iter().zip(&*part.through).map(|(weight, through)| weight * through).sum()
             };
-            (0..self.setup.states.len()).map(of_state).collect()
-        }))
+            let brightest = spread.parts().iter().max_by(|a, b| through(a).total_cmp(&through(b)));
+            let index = brightest.map_or_else(|| panel.medium.largest_index(), |part| part.index());
+            let found = self.returned(lit, (source, index), weights, (all, &pages));
+            let rows = once.page.iter_mut().flatten().zip(found.page.iter().flatten());
+            rows.for_each(|(sum, more)| *sum += more);
+            returned = Some(found);
+        } else if lit.returns() {
+            let bins = self.setup.scene.grid.len();
+            let all = colour(weights, &all[self.page * bins..][..bins])[1];
+            let factor = if pages[self.page][1] > 0.0 { all / pages[self.page][1] } else { 0.0 };
+            once.page.iter_mut().flatten().for_each(|light| *light *= factor);
+        }
+        Ok(Blurred { once, pages, returned })
     }
 
     /// Colours of figures that are blurred: the page, less its light from the places of the figure and more
-    /// of that of the figure.
-    pub(super) fn blurred(
-        &self,
-        figure: Figure,
-        pages: &[Colour],
-        (orders, by_wavelength): (&Orders, &[Vec<f64>; 3]),
-        above: Above<'_>,
-    ) -> Result<Figures, DisplayError> {
-        let returns = self.panel.is_some_and(returns);
-        let light_of = |gathered: &Gathered| match figure {
-            Figure::Stripe => Some(gathered.stripes.clone()),
-            Figure::Line => Some(gathered.line.clone()),
-            Figure::Text | Figure::Patch => self.strokes(gathered),
-        };
-        let Some(once) = light_of(&orders.once) else { return Ok((Vec::new(), None)) };
-        let later = orders.diffuse.as_ref().and_then(|(later, _)| light_of(later));
-        let within = |diffuse: bool, state: usize| {
-            let light = later.as_ref().filter(|_| diffuse).unwrap_or(&once);
-            let mut sum = [0.0; 3];
-            for part in &self.surfaces.states[state] {
-                let known = self.parts.iter().position(|known| known.at() == part.at());
-                let more = known.map_or([0.0; 3], |number| light[number]);
-                (0..3).for_each(|k| sum[k] += part.fraction * more[k]);
+    /// of that of the figure. `pages` are those of all orders.
+    pub(super) fn blurred(&self, figure: Figure, pages: &[Colour], below: &Blurred) -> Figures {
+        let Blurred { once, pages: of_once, returned } = below;
+        let pages = if returned.is_some() { of_once } else { pages };
+        let mut found = match (figure, self.light_of(figure, once)) {
+            (Figure::Patch, _) => (pages.to_vec(), Some(pages[self.page])),
+            (_, None) => return (Vec::new(), None),
+            (_, Some(light)) => {
+                let on = |own: usize, page: usize| {
+                    let [more, less] = [own, page].map(|state| self.within(&light, state));
+                    [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])
+                };
+                self.figures(figure, pages, on)
             }
-            sum
         };
-        let is_paper = returns && !self.setup.stack.base().is_specular();
-        let (rho, irradiance) = if is_paper { self.irradiance(figure, above)? } else { (Vec::new(), None) };
-        let bins = self.setup.scene.grid.len();
-        let on = |own: usize, page: usize| {
-            if let Some(irradiance) = &irradiance {
-                let row = |state: usize| &rho[state * bins..][..bins];
-                // The brighter of both tells how much each wavelength counts.
-                let of = if pages[own][1] > pages[page][1] { own } else { page };
-                let over = irradiance.over_page([row(own), row(page)], row(of));
-                let factors = [0, 1, 2].map(|k| {
-                    let light = by_wavelength[k][of * bins..][..bins].iter().zip(&over);
-                    light.map(|(light, over)| light * over).sum::<f64>() / orders.pages[of][k]
-                });
-                let back = Back::Diffuse(&factors);
-                return orders.figure(figure, [own, page], (pages, back), within);
-            }
-            if returns {
-                let back = if above.level().is_fine { Back::Mirrored } else { Back::Directly };
-                return orders.figure(figure, [own, page], (pages, back), within);
-            }
-            let (more, less) = (within(false, own), within(false, page));
-            [0, 1, 2].map(|k| pages[page][k] + more[k] - less[k])
-        };
-        Ok(self.figures(figure, pages, on))
+        if let Some(returned) = returned {
+            returned.add_to(figure, &mut found, self.page);
+        }
+        found
+    }
+
+    /// Fraction of the light of a figure that is its own, on a page of the same state; `None` without such a figure.
+    pub(super) fn own_share(&self, figure: Figure, below: &Blurred) -> Option<f64> {
+        let light = self.light_of(figure, &below.once)?;
+        let brightest =
+            (0..below.pages.len()).max_by(|a, b| below.pages[*a][1].total_cmp(&below.pages[*b][1]))?;
+        let all = below.pages[brightest][1];
+        Some(if all > 0.0 { (self.within(&light, brightest)[1] / all).min(1.0) } else { 1.0 })
+    }
+
+    /// Light of each part from the places of a figure; `None` without such a figure.
+    fn light_of(&self, figure: Figure, once: &Gathered) -> Option<Vec<Colour>> {
+        match figure {
+            Figure::Stripe => Some(once.stripes.clone()),
+            Figure::Line => Some(once.line.clone()),
+            Figure::Text => self.strokes(once),
+            Figure::Patch => None,
+        }
+    }
+
+    /// Light of a state, given that of each part.
+    fn within(&self, light: &[Colour], state: usize) -> Colour {
+        let mut sum = [0.0; 3];
+        for part in &self.surfaces.states[state] {
+            let known = self.parts.iter().position(|known| known.at() == part.at());
+            let more = known.map_or([0.0; 3], |number| light[number]);
+            (0..3).for_each(|k| sum[k] += part.fraction * more[k]);
+        }
+        sum
     }
 
     /// Light of each part from the places of text, the mean over the middles of its strokes; `None` without

@@ -43,7 +43,7 @@ pub(super) fn views(
             }
             seen(filtered, setup, &levels[level], number)
         };
-        let mut found = refined(setup, view, (FINEST, 1.0), at, control)?;
+        let mut found = refined(setup, view, (FINEST, 1.0), (at, |_| Ok(None)), control)?;
         for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),

@@ -11,6 +11,7 @@ use super::super::Level;
 use super::super::bounds::{cells_along, parts_of_pixels};
 use super::super::irradiance::{Above, Return, moved};
 use super::super::patterns::Text;
+use super::through_lobe::ThroughLobe;
 use super::{Colour, Figure};
 use crate::DisplayError;
 
@@ -68,7 +69,7 @@ impl Irradiance {
     pub(super) fn new(
         above: Above<'_>,
         pixels: &Pixels<'_>,
-        figure: Figure,
+        (figure, lobe): (Figure, Option<ThroughLobe>),
         most: f64,
     ) -> Result<Option<Self>, DisplayError> {
         let (level, thickness_mm, spreads) = (above.level(), above.thickness_mm(), above.spreads());
@@ -80,9 +81,13 @@ impl Irradiance {
         let (nodes, most) =
             if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
         let images = above.images()?;
+        let through_lobe = lobe.map(|lobe| lobe.weights(pixels.pitch_mm[0], cells, &is_figure, &seen));
         let share = is_figure.iter().filter(|own| **own).count() as f64 / cells.len() as f64;
         let known = |(number, returned): (usize, Return)| {
-            let shown = above.seen_from(number, cells, &seen);
+            let shown = match &through_lobe {
+                Some(weights) => images.first().map(|(_, fraction)| (weights.clone(), fraction.clone())),
+                None => above.seen_from(number, cells, &seen),
+            };
             let itself = match (&shown, images.first()) {
                 (None, Some((_, fraction))) if images.len() > 1 || spreads => Some(fraction.clone()),
                 (Some((_, fraction)), _) => Some(vec![0.0; fraction.len()]),
@@ -133,18 +138,6 @@ impl Irradiance {
         };
         let returns = above.returns(cells.most_per_mm())?.into_iter().enumerate().map(known).collect();
         Ok(Some(Self { returns }))
-    }
-
-    /// Irradiance of a figure on a page over that of a page of a state, for each wavelength, from their
-    /// reflectances.
-    pub(super) fn over_page(&self, pair: [&[f64]; 2], of: &[f64]) -> Vec<f64> {
-        let mut factors = vec![1.0; of.len()];
-        for Known { bins, of_page, own, .. } in &self.returns {
-            for &bin in bins {
-                factors[bin] = (1.0 - of[bin] * of_page) / own.at(pair.map(|rho| rho[bin]));
-            }
-        }
-        factors
     }
 
     /// Colour of a figure on a page, from the light of pages and the reflectance of two states,

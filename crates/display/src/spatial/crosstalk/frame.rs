@@ -1,6 +1,7 @@
 //! What all views of crosstalk by adding have in common, and the levels of each.
 
 use papilio_imaging::text::Bitmap;
+use papilio_transport::spatial::air_below_front_mm;
 use papilio_transport::{Panel, Reflector, Top};
 
 use super::super::response::Lit;
@@ -85,11 +86,8 @@ impl<'a> Frame<'a> {
         type Digits = fn(usize) -> f64;
         let of_panel: Digits = |level| DIGITS + MORE_DIGITS * level as f64;
         let (digits, finest, factor) = match self.panel {
-            // The estimate for mirror-like pixels is bounded by the coarse level only: no further level is
-            // computed.
-            Some(panel) if returns(panel) && !is_flat(panel) && panel.base.is_specular() => {
-                (of_panel, 1, 1.0)
-            }
+            // What stands for several fronts is bounded by the coarse level only: no further level is computed.
+            Some(panel) if air_below_front_mm(panel).is_err() => (of_panel, 1, 1.0),
             Some(_) => (of_panel, MOST_LEVEL, 1.0),
             None => {
                 let factor = layered::error_over_difference(self.setup);
@@ -97,15 +95,19 @@ impl<'a> Frame<'a> {
                 (Level::digits_of_layers as Digits, finest, factor)
             }
         };
-        let at = |level: usize| {
+        let level = |level: usize, is_other: bool| {
             let most_per_mm = ORDERS * f64::from(1_u32 << level) / narrowest;
             let finer = level.saturating_sub(1) as u32;
-            self.measure(
-                view,
-                Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_other: false, finer },
-            )
+            Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_other, finer }
         };
-        refined(self.setup, view, (finest, factor), at, control)
+        let at = |number: usize| self.measure(view, level(number, false));
+        let other = |number: usize| {
+            let has_others = self.panel.is_some_and(|panel| {
+                returns(panel) && matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular()
+            });
+            has_others.then(|| self.measure(view, level(number, true))).transpose()
+        };
+        refined(self.setup, view, (finest, factor), (at, other), control)
     }
 
     pub(super) fn lit<'l>(&'l self, panel: &'l Panel, view: &'l ViewPoint, level: Level) -> Lit<'l> {
@@ -115,7 +117,7 @@ impl<'a> Frame<'a> {
 }
 
 /// True if a front returns light to the pixel.
-pub(super) fn returns(panel: &Panel) -> bool {
+fn returns(panel: &Panel) -> bool {
     !panel.single_pass && panel.front.reflectance_below.max() > 0.0
 }
 

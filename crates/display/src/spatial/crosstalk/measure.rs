@@ -9,10 +9,11 @@ use super::super::below_layers::Layers;
 use super::super::irradiance::{Above, PlacedImage, along_field};
 use super::super::response::{Lit, name_of_light};
 use super::super::{Level, Refused};
+use super::blurred::Blurred;
 use super::flat::{self, Irradiance, Pixels};
 use super::found::Measured;
 use super::frame::{Frame, is_flat};
-use super::orders::Orders;
+use super::through_lobe::ThroughLobe;
 use super::{BLACK, Colour, Figure, PAGE, add, state};
 use crate::DisplayError;
 use crate::meter::Meter;
@@ -82,16 +83,18 @@ impl Frame<'_> {
         above: Above<'_>,
         factors: &[ReflectanceFactor],
     ) -> Result<Measured, DisplayError> {
-        let (setup, meter, level) = (self.setup, Meter::new(self.setup), above.level());
+        let (setup, meter) = (self.setup, Meter::new(self.setup));
         let (states, bins) = (setup.states.len(), setup.scene.grid.len());
         let mut measured = Measured::default();
-        let (mut pages, mut orders) = (vec![[0.0; 3]; states], None::<Orders>);
+        let (mut pages, mut below) = (vec![[0.0; 3]; states], None::<Blurred>);
         // Below a lobe light is followed by direction.
         let below_lobe = match above {
             Above::Panel(lit) if !is_flat(lit.panel) => Some(lit),
             Above::Panel(_) | Above::Layers(_) => None,
         };
-        let directions = if below_lobe.is_none() { directions(view, above)? } else { Vec::new() };
+        let is_mirror = |lit: Lit<'_>| lit.panel.base.is_specular();
+        let directions =
+            if below_lobe.is_some_and(is_mirror) { Vec::new() } else { directions(view, above)? };
         let images = directions.iter().map(|(along, share)| Ok((along.above(above).images()?, *share)));
         let images = images.collect::<Result<Vec<_>, DisplayError>>()?;
         // Light of each state and wavelength in X, Y and Z.
@@ -113,25 +116,23 @@ impl Frame<'_> {
                 continue;
             };
             let source = &setup.sources[light.source];
-            let mut more = self.orders(lit, source, weights)?;
-            if lit.returns() {
-                if level.is_fine && lit.panel.base.is_specular() {
-                    more.own = self.own_light(lit, source, &weights[1], &factor.via_pixel)?;
-                }
-                let all = flat::colour(weights, factor.via_pixel.state(self.page))[1];
-                more.add_returned(self.page, all, level.is_fine);
-            }
+            let more = self.below_lobe(lit, source, weights, &factor.via_pixel)?;
             measured.page.push(more.once.page.clone());
-            match &mut orders {
+            match &mut below {
                 Some(sum) => sum.add(&more),
-                None => orders = Some(more),
+                None => below = Some(more),
             }
         }
+        // Lambertian pixels below a lobe have the irradiance of flat ones.
+        let is_lit_again = below_lobe.is_some_and(|lit| lit.returns() && !is_mirror(lit));
         for figure in Figure::ALL {
-            let (colours, beside) = match (&orders, figure) {
+            let (colours, beside) = match (&below, figure) {
+                (Some(below), _) if !is_lit_again => self.blurred(figure, &pages, below),
                 (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
-                (Some(orders), _) => self.blurred(figure, &pages, (orders, &by_wavelength), above)?,
-                (None, _) => self.on_flat(figure, &pages, &by_wavelength, (above, &directions))?,
+                _ => {
+                    let own = below.as_ref().and_then(|below| self.own_share(figure, below));
+                    self.on_flat(figure, &pages, &by_wavelength, (above, &directions, own))?
+                }
             };
             measured.figures[figure as usize] = colours;
             measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
@@ -184,11 +185,12 @@ impl Frame<'_> {
     }
 
     /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a
-    /// figure; `None` without such a figure.
-    pub(super) fn irradiance(
+    /// figure; `None` without such a figure. `own`: the fraction of the light of the figure that is its own, below a lobe.
+    fn irradiance(
         &self,
         figure: Figure,
         above: Above<'_>,
+        own: Option<f64>,
     ) -> Result<(Vec<f64>, Option<Irradiance>), DisplayError> {
         let mut rho = vec![0.0; self.setup.states.len() * self.setup.scene.grid.len()];
         let base = self.setup.stack.base();
@@ -201,7 +203,11 @@ impl Frame<'_> {
         }
         let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, text: self.text.as_ref() };
         let most = rho.iter().copied().fold(0.0, f64::max);
-        let irradiance = Irradiance::new(above, &pixels, figure, most)?;
+        let lobe = match (above, own) {
+            (Above::Panel(lit), Some(own)) => Some(ThroughLobe::new(lit, own)?),
+            _ => None,
+        };
+        let irradiance = Irradiance::new(above, &pixels, (figure, lobe), most)?;
         Ok((rho, irradiance))
     }
 
@@ -212,12 +218,12 @@ impl Frame<'_> {
         figure: Figure,
         pages: &[Colour],
         by_wavelength: &[Vec<f64>; 3],
-        (above, directions): (Above<'_>, &[(Along, f64)]),
+        (above, directions, own): (Above<'_>, &[(Along, f64)], Option<f64>),
     ) -> Result<Figures, DisplayError> {
         let mut all = Vec::with_capacity(directions.len());
         for (along, share) in directions {
             self.control.check()?;
-            let (rho, irradiance) = self.irradiance(figure, along.above(above))?;
+            let (rho, irradiance) = self.irradiance(figure, along.above(above), own)?;
             let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
             all.push((rho, irradiance, *share));
         }

@@ -9,12 +9,13 @@ mod flat;
 mod found;
 mod frame;
 mod measure;
-mod orders;
 mod paths;
 mod places;
 mod result;
+mod returned;
 mod shares;
 mod surfaces;
+mod through_lobe;
 
 use self::found::{Measured, assembled};
 use self::frame::Frame;
@@ -97,12 +98,16 @@ fn result(
     })
 }
 
-/// Refines a view. `factor`: error of a level over its difference from the one before.
+/// Refines a view. `factor`: error of a level over its difference from the one before. `other`: a level with other sums over points,
+/// if there are any.
 fn refined(
     setup: &Setup,
     view: &ViewPoint,
     (finest, factor): (usize, f64),
-    at: impl FnMut(usize) -> Result<Measured, DisplayError>,
+    (at, other): (
+        impl FnMut(usize) -> Result<Measured, DisplayError>,
+        impl Fn(usize) -> Result<Option<Measured>, DisplayError>,
+    ),
     control: &Control<'_>,
 ) -> Result<CrosstalkView, DisplayError> {
     let of = |[fine, coarse]: [&Measured; 2]| match factor {
@@ -110,7 +115,11 @@ fn refined(
         factor => assembled(setup, view, fine, &[&coarse.away(fine, factor)]),
     };
     let found = target::refined(setup, finest, at, |levels| largest_error(&of(levels)).1, control)?;
-    Ok(of([&found.finer, &found.coarser]))
+    let mut seen = of([&found.finer, &found.coarser]);
+    if let Some(other) = other(found.level)? {
+        seen.widen_errors(&of([&found.finer, &other]));
+    }
+    Ok(seen)
 }
 
 /// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast

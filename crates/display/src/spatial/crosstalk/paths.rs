@@ -61,7 +61,6 @@ impl<'a> Scenes<'a> {
     fn new(setup: &'a Setup, matrix: &Matrix, text: &str) -> Result<Self, DisplayError> {
         let scene = &setup.scene;
         let windows = Windows::new(matrix);
-        let count = windows.all.len();
         let (other_base, shown) = match &matrix.filter {
             Some(filter) => {
                 // Below each part of the filter a state of the pixel, black between them.
@@ -72,13 +71,9 @@ impl<'a> Scenes<'a> {
                 (None, filter.states.iter().map(of_state).collect())
             }
             None => {
-                let Surfaces { base, both, states } = Surfaces::new(setup, matrix)?;
-                let of_window = |parts: &[super::surfaces::Part], window: usize| {
-                    let here = parts.iter().filter(|part| part.sub_pixel == window);
-                    here.map(|part| (part.surface, part.fraction * windows.scale[window])).collect()
-                };
-                let of_state = |parts: &Vec<_>| (0..=count).map(|window| of_window(parts, window)).collect();
-                (Some((base, both)), states.iter().map(of_state).collect())
+                let surfaces = Surfaces::new(setup, matrix)?;
+                let shown = surfaces.shown(&windows);
+                (Some((surfaces.base, surfaces.both)), shown)
             }
         };
         let panel = Placed::new(setup)?;
@@ -185,12 +180,7 @@ impl<'a> Page<'a> {
 
     /// Window at a place, or the number of windows between them.
     fn window_at(&self, place_mm: [f64; 2]) -> usize {
-        let [x, y] = [0, 1].map(|k| (place_mm[k] / self.scenes.pitch_mm[k]).rem_euclid(1.0));
-        let holds = |range: [f64; 2], at: f64| (range[0]..range[1]).contains(&at);
-        let mut windows = self.scenes.windows.all.iter();
-        let found =
-            windows.position(|window| window.rectangles.iter().any(|one| holds(one.x, x) && holds(one.y, y)));
-        found.unwrap_or(self.windows())
+        self.scenes.windows.at([0, 1].map(|k| (place_mm[k] / self.scenes.pitch_mm[k]).rem_euclid(1.0)))
     }
 
     /// Column and row of a place.

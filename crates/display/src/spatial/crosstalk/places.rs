@@ -53,6 +53,20 @@ impl Windows {
         Self { pitch_mm: matrix.pitch_mm, all, scale }
     }
 
+    /// Window at a place of a pixel, or the number of windows between them; the place is in periods, below 1.
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> usize {
+        let holds = |range: [f64; 2], at: f64| (range[0]..range[1]).contains(&at);
+        let holds = |window: &Window| window.rectangles.iter().any(|one| holds(one.x, x) && holds(one.y, y));
+        self.all.iter().position(holds).unwrap_or(self.all.len())
+    }
+
+    /// Area of each window and of the inactive area, in pixels.
+    pub(super) fn area_of_each(&self) -> Vec<f64> {
+        let mut areas: Vec<f64> = self.all.iter().map(Window::area).collect();
+        areas.push((1.0 - areas.iter().sum::<f64>()).max(0.0));
+        areas
+    }
+
     /// Area of each window and of the inactive area within `[x0, x1] x [y0, y1]`, scaled.
     fn areas(&self, [x, y]: [[f64; 2]; 2], out: &mut [f64]) {
         let common = |a: [f64; 2], b: [f64; 2]| (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);

@@ -82,6 +82,38 @@ impl CrosstalkView {
     }
 }
 
+impl CrosstalkView {
+    /// Takes the errors of the same numbers by another estimate where they are larger.
+    pub(super) fn widen_errors(&mut self, other: &Self) {
+        self.shares.widen_errors(&other.shares);
+        for ((_, own), (_, other)) in self.by_light.0.iter_mut().zip(&other.by_light.0) {
+            own.widen_errors(other);
+        }
+        for (own, other) in self.patterns.iter_mut().zip(&other.patterns) {
+            own.error = PatternValues {
+                gamut_percent_srgb: larger(own.error.gamut_percent_srgb, other.error.gamut_percent_srgb),
+                contrast_ratio: larger(own.error.contrast_ratio, other.error.contrast_ratio),
+                contrast_ratio_via_pixel: larger(
+                    own.error.contrast_ratio_via_pixel,
+                    other.error.contrast_ratio_via_pixel,
+                ),
+            };
+        }
+    }
+}
+
+impl Shares {
+    fn widen_errors(&mut self, other: &Self) {
+        self.error = self.error.max(other.error);
+        let pairs = self.own_share_errors.iter_mut().zip(other.own_share_errors);
+        pairs.for_each(|(own, other)| *own = larger(*own, other));
+    }
+}
+
+fn larger(own: Option<f64>, other: Option<f64>) -> Option<f64> {
+    own.zip(other).map(|(own, other)| own.max(other))
+}
+
 /// Who lights whom in one light or all. Shares are of luminous light.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Shares {

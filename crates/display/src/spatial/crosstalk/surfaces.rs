@@ -3,6 +3,7 @@
 use papilio_spectra::Spectrum;
 use papilio_transport::{AngularTable, Base, Reflector};
 
+use super::places::Windows;
 use crate::DisplayError;
 use crate::pixel::film::{Mixture, with_constant};
 use crate::scene::{Matrix, Pixel, Scene};
@@ -58,6 +59,18 @@ impl Surfaces {
             inactive_absorptance: vec![0.0; grid.len()].into(),
         };
         Ok(Self { base: alone(base), both: both.map(|both| both.map(alone)), states })
+    }
+
+    /// Surfaces of each state in each window and between them, with the fractions that they cover,
+    /// `[state][window]`.
+    pub(super) fn shown(&self, windows: &Windows) -> Vec<Vec<Vec<(usize, f64)>>> {
+        let of_window = |parts: &[Part], window: usize| {
+            let here = parts.iter().filter(|part| part.sub_pixel == window);
+            here.map(|part| (part.surface, part.fraction * windows.scale[window])).collect()
+        };
+        let of_state =
+            |parts: &Vec<Part>| (0..=windows.all.len()).map(|window| of_window(parts, window)).collect();
+        self.states.iter().map(of_state).collect()
     }
 }
 
