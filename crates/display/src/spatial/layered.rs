@@ -163,11 +163,13 @@ impl Frame<'_> {
             line_contrast: LineContrast::default(),
             line_contrast_via_pixel: LineContrast::default(),
             line_contrast_error: LineContrast::default(),
+            line_contrast_via_pixel_error: LineContrast::default(),
             text_contrast_min: None,
             text_contrast_median: None,
             text_contrast_min_via_pixel: None,
             text_contrast_median_via_pixel: None,
             text_contrast_error: None,
+            text_contrast_via_pixel_error: None,
             yule_nielsen_n: None,
             patterns: Vec::new(),
         })

@@ -289,23 +289,30 @@ impl<'a> Frame<'a> {
         coarse: &Measured,
         fine: &Measured,
     ) -> MtfView {
-        let mut error = fine.line_contrast[0];
-        let pairs = error.all_mut().zip(coarse.line_contrast[0].named());
-        pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
+        let [line_contrast_error, line_contrast_via_pixel_error] = [0, 1].map(|k| {
+            let mut error = fine.line_contrast[k];
+            let pairs = error.all_mut().zip(coarse.line_contrast[k].named());
+            pairs.for_each(|(fine, (_, coarse))| *fine = difference(*fine, coarse));
+            error
+        });
+        let [text_contrast_error, text_contrast_via_pixel_error] = [0, 1].map(|k| {
+            let both = fine.text_contrast[k].zip(coarse.text_contrast[k]);
+            both.map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs()))
+        });
         MtfView {
             theta_deg: view.theta_deg,
             phi_deg: view.phi_deg,
             states: Named(states),
             line_contrast: fine.line_contrast[0],
             line_contrast_via_pixel: fine.line_contrast[1],
-            line_contrast_error: error,
+            line_contrast_error,
+            line_contrast_via_pixel_error,
             text_contrast_min: fine.text_contrast[0].map(|[least, _]| least),
             text_contrast_median: fine.text_contrast[0].map(|[_, median]| median),
             text_contrast_min_via_pixel: fine.text_contrast[1].map(|[least, _]| least),
             text_contrast_median_via_pixel: fine.text_contrast[1].map(|[_, median]| median),
-            text_contrast_error: fine.text_contrast[0]
-                .zip(coarse.text_contrast[0])
-                .map(|(fine, coarse)| [0, 1].map(|k| (fine[k] - coarse[k]).abs())),
+            text_contrast_error,
+            text_contrast_via_pixel_error,
             yule_nielsen_n: None,
             patterns: self.pattern_means(view, coarse, fine),
         }

@@ -55,6 +55,8 @@ pub struct MtfView {
     pub line_contrast_via_pixel: LineContrast,
     /// Errors of `line_contrast`.
     pub line_contrast_error: LineContrast,
+    /// Errors of `line_contrast_via_pixel`.
+    pub line_contrast_via_pixel_error: LineContrast,
     /// Smallest contrast of the middles of strokes of black text with the white page, (L_white - L)/(L_white + L); null without a matrix,
     /// white or black, and if the font has no such letters.
     pub text_contrast_min: Option<f64>,
@@ -66,6 +68,8 @@ pub struct MtfView {
     pub text_contrast_median_via_pixel: Option<f64>,
     /// Errors of `text_contrast_min` and `text_contrast_median`.
     pub text_contrast_error: Option<[f64; 2]>,
+    /// Errors of `text_contrast_min_via_pixel` and `text_contrast_median_via_pixel`.
+    pub text_contrast_via_pixel_error: Option<[f64; 2]>,
     /// Exponent n of Yule and Nielsen that has the mean of fine patterns, half white and half black, via the pixel; 1 without
     /// recycled light. A report only: it is no model.
     pub yule_nielsen_n: Option<f64>,
@@ -179,11 +183,21 @@ fn widen_all<'a>(errors: impl IntoIterator<Item = &'a mut f64>, others: &[f64]) 
 impl MtfView {
     /// Takes the larger of the errors of two views of the same numbers.
     pub(super) fn widen_errors(&mut self, other: &Self) {
-        for (error, (_, other)) in self.line_contrast_error.all_mut().zip(other.line_contrast_error.named()) {
-            *error = error.zip(other).map(|(error, other)| error.max(other)).or(*error);
+        for (errors, others) in [
+            (&mut self.line_contrast_error, &other.line_contrast_error),
+            (&mut self.line_contrast_via_pixel_error, &other.line_contrast_via_pixel_error),
+        ] {
+            for (error, (_, other)) in errors.all_mut().zip(others.named()) {
+                *error = error.zip(other).map(|(error, other)| error.max(other)).or(*error);
+            }
         }
-        if let (Some(errors), Some(others)) = (&mut self.text_contrast_error, &other.text_contrast_error) {
-            widen_all(errors, others);
+        for (errors, others) in [
+            (&mut self.text_contrast_error, &other.text_contrast_error),
+            (&mut self.text_contrast_via_pixel_error, &other.text_contrast_via_pixel_error),
+        ] {
+            if let (Some(errors), Some(others)) = (errors, others) {
+                widen_all(errors, others);
+            }
         }
         self.patterns
             .iter_mut()

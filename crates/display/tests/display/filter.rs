@@ -340,7 +340,7 @@ fn sharpness_below_a_gray_filter_is_that_of_absorbing_glass() {
     let worst = (0..found.otf.otf_x.len()).map(off).fold(0.0, f64::max);
     assert!(worst < 4.5 && found.otf.error_x.iter().all(|error| *error < 0.05), "{worst}");
     let line = |one: &papilio_display::spatial::MtfView| one.line_contrast_via_pixel.black_1_x.unwrap();
-    let [error, other] = [&with, &without].map(|one| one.line_contrast_error.black_1_x.unwrap());
+    let [error, other] = [&with, &without].map(|one| one.line_contrast_via_pixel_error.black_1_x.unwrap());
     near("line", line(&with), line(&without), 4.5 * error.hypot(other) + 1e-3);
     // Red pixels are white below a third of the filter.
     let of = |name: &str| with.states.get(name).unwrap().Y_via_pixel;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
-use papilio_display::spatial::{MtfResult, MtfState, mtf, sparkle};
+use papilio_display::spatial::{LineContrast, MtfResult, MtfState, mtf, sparkle};
 use papilio_display::{Control, DisplayError, Progress, ProgressFraction};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_testing::everyday;
@@ -495,6 +495,28 @@ fn lines_of_mirrors_multiply_with_their_images() {
     near("white, narrow", near_by.white_1_x.unwrap(), beside, 1e-9);
 }
 
+/// Contrasts with and without the images of the room have errors of their own. That of white lines on black, whose page is exact, is
+/// that of the light of the line, times the derivative of the contrast.
+#[test]
+fn contrasts_via_the_pixel_have_their_own_errors() {
+    let parts = [&glass("fresnel", 0.5), MATRIX, &paper(0.8, 0.05), DIFFUSE, "[pattern]\ntext = \"it\"\n"];
+    let resolved = resolved(&[&parts.concat(), "[solver]\nrelative_error = 1e-1\n"]);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
+    let view = mtf(&resolved.scene, &resolved.patterns, &control).unwrap().views.remove(0);
+    let black = view.states.get("black").unwrap().Y_via_pixel;
+    let of = |lines: LineContrast| lines.white_1_x.unwrap();
+    let [all, via] = [view.line_contrast, view.line_contrast_via_pixel].map(of);
+    let [of_all, of_via] = [view.line_contrast_error, view.line_contrast_via_pixel_error].map(of);
+    let white = black * (1.0 + via) / (1.0 - via);
+    let faces = 0.5 * ((white - black) / all - white - black);
+    let slope = |faces: f64| 2.0 * (black + faces) / (white + black + 2.0 * faces).powi(2);
+    let expected = of_all * slope(0.0) / slope(faces);
+    assert!(of_all > 1e-7 && (of_via / expected - 1.0).abs() < 0.01, "{of_via} {expected} {of_all}");
+    assert!((of_via / of_all - 1.0).abs() > 0.1, "{of_via} {of_all}");
+    let text = [view.text_contrast_error, view.text_contrast_via_pixel_error].map(Option::unwrap);
+    assert!(text[1].iter().zip(text[0]).all(|(via, all)| *via > 0.0 && *via != all), "{text:?}");
+}
+
 /// The same below a front, in a wide field, with text: light also moves through the air, and each direction of the
 /// field has images of its own. By paths over the actual lines and letters.
 #[test]
@@ -507,8 +529,9 @@ fn lines_and_text_of_mirrors_below_a_front_are_those_of_paths() {
         let resolved = resolved(&[&parts.concat(), "[solver]\n", solver]);
         let control = Control { threads: Some(1), progress: &|_| {}, stop: &AtomicBool::new(false) };
         let view = mtf(&resolved.scene, &resolved.patterns, &control).unwrap().views.remove(0);
-        let (lines, errors) = (view.line_contrast_via_pixel, view.line_contrast_error);
-        let median = (view.text_contrast_median_via_pixel, view.text_contrast_error.map(|errors| errors[1]));
+        let (lines, errors) = (view.line_contrast_via_pixel, view.line_contrast_via_pixel_error);
+        let errors_of_text = view.text_contrast_via_pixel_error;
+        let median = (view.text_contrast_median_via_pixel, errors_of_text.map(|errors| errors[1]));
         [
             (lines.white_1_x, errors.white_1_x),
             (lines.white_4_x, errors.white_4_x),

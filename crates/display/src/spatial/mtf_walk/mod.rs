@@ -347,27 +347,31 @@ fn result(
         ),
         line_contrast: all.line_contrast[0],
         line_contrast_via_pixel: all.line_contrast[1],
-        line_contrast_error: line_errors(found),
+        line_contrast_error: line_errors(found, 0),
+        line_contrast_via_pixel_error: line_errors(found, 1),
         text_contrast_min: all.text_contrast[0].map(|[least, _]| least),
         text_contrast_median: all.text_contrast[0].map(|[_, median]| median),
         text_contrast_min_via_pixel: all.text_contrast[1].map(|[least, _]| least),
         text_contrast_median_via_pixel: all.text_contrast[1].map(|[_, median]| median),
-        text_contrast_error: {
-            let [least, median] =
-                [0, 1].map(|k| error(found, |one| one.text_contrast[0].map(|pair| pair[k])));
-            least.zip(median).map(|(least, median)| [least, median])
-        },
+        text_contrast_error: text_errors(found, 0),
+        text_contrast_via_pixel_error: text_errors(found, 1),
         yule_nielsen_n: all.yule_nielsen_n,
         patterns,
     }
 }
 
-fn line_errors(found: &[Found]) -> LineContrast {
+/// Errors of contrasts, if `via` is 1 of those via the pixel.
+fn line_errors(found: &[Found], via: usize) -> LineContrast {
     let mut errors = LineContrast::default();
     for (k, slot) in errors.all_mut().enumerate() {
-        *slot = error(found, |one| one.line_contrast[0].named().nth(k).and_then(|(_, value)| value));
+        *slot = error(found, |one| one.line_contrast[via].named().nth(k).and_then(|(_, value)| value));
     }
     errors
+}
+
+fn text_errors(found: &[Found], via: usize) -> Option<[f64; 2]> {
+    let [least, median] = [0, 1].map(|k| error(found, |one| one.text_contrast[via].map(|pair| pair[k])));
+    least.zip(median).map(|(least, median)| [least, median])
 }
 
 fn state_of(frame: &Frame<'_>, grid: &Grid, found: &[Found], state: usize) -> MtfState {
