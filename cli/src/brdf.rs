@@ -94,7 +94,7 @@ const RESUME: &str = "finished rows are saved; run the same command again to res
 
 /// The options that determine the directions of a table.
 fn directions(arguments: &Brdf) -> String {
-    let step = arguments.step;
+    let step = arguments.step_deg();
     match arguments.format {
         // The same directions in two formats.
         BrdfFormat::Npz | BrdfFormat::Csv => format!("step {step}"),
@@ -138,11 +138,17 @@ fn chosen_states(chosen: &[String], all: &[String]) -> Result<Vec<usize>, Failur
 
 /// Fails if the table would be too large.
 fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Failure> {
-    let (step, bins) = (arguments.step, scene.grid.len());
+    let (step, bins) = (arguments.step_deg(), scene.grid.len());
     if arguments.grid.is_some() && arguments.format != BrdfFormat::Rgl {
         return Err(Failure::Input(
             "--grid is the number of half vectors along each axis of an RGL file; expected it only with --format rgl\n  = \
              help: --step is the step of the directions of the other formats"
+                .to_owned(),
+        ));
+    }
+    if arguments.step.is_some() && arguments.format == BrdfFormat::Klems {
+        return Err(Failure::Input(
+            "--step is the step of directions, but --format klems has the patches of its basis\n  = help: remove --step"
                 .to_owned(),
         ));
     }
@@ -191,7 +197,7 @@ fn compute(
     computation: &mut Computation,
     saved: &SavedTable<'_>,
 ) -> Result<(Table, ViewerTable<ProbeGrid>), Failure> {
-    let (scene, threads, step) = (&resolved.scene, arguments.workers.threads, arguments.step);
+    let (scene, threads, step) = (&resolved.scene, arguments.workers.threads, arguments.step_deg());
     let some = (states, count, arguments.allow_error);
     let [rows, rows_between] = [0, 1].map(|part| saved.part(part, 2));
     let found = computation.part(resolved, threads, |control| {
@@ -354,7 +360,7 @@ fn table_warnings(
     let (exported, beams, refinable) = match table {
         Table::Directions(table) => {
             let smallest = smallest_step(table.states.len(), table.wavelength_nm.len());
-            (Exported::Directions(table), table, Refinable::Step(arguments.step, "--step ", smallest))
+            (Exported::Directions(table), table, Refinable::Step(arguments.step_deg(), "--step ", smallest))
         }
         Table::HalfVectors(table, beams) => {
             (Exported::HalfVectors(table), beams, Refinable::Grid(grid_size(arguments)))

@@ -16,9 +16,10 @@ pub(crate) struct Brdf {
     #[arg(long, value_name = "all|NAME,...", value_delimiter = ',', default_value = ALL_STATES)]
     pub(crate) states: Vec<String>,
     /// Step of inclination and azimuth in degrees, a divisor of 90; with --format rgl and radiant, of the
-    /// inclination of the light to 30 deg, half of it to 70 deg and a quarter of it beyond
-    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = angle_step)]
-    pub(crate) step: f64,
+    /// inclination of the light to 30 deg, half of it to 70 deg and a quarter of it beyond; not with --format
+    /// klems [default: 5]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
+    pub(crate) step: Option<f64>,
     /// Number of half vectors along each axis, from 8 to 256, only with --format rgl [default: 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = grid_size)]
     pub(crate) grid: Option<usize>,
@@ -27,6 +28,13 @@ pub(crate) struct Brdf {
     pub(crate) allow_error: Option<f64>,
     #[command(flatten)]
     pub(crate) workers: Workers,
+}
+
+impl Brdf {
+    /// Step of the angles in degrees.
+    pub(crate) fn step_deg(&self) -> f64 {
+        self.step.unwrap_or(5.0)
+    }
 }
 
 /// The word for all states.
