@@ -74,7 +74,8 @@ impl Resolver<'_> {
             (false, false) if !changes.tails && changes.measured_to_deg.is_some() => {
                 "the smooth lobe changes the edge of the measured cells"
             }
-            (false, false) => "the smooth lobe changes dark cells at the horizon",
+            (false, false) if changes.filled > 0.0 => "the smooth lobe changes dark cells at the horizon",
+            (false, false) => "the smooth lobe is interpolated between the cells, and at the horizon",
         };
         if most - 1.0 > REPORTED_CHANGE || 1.0 - least > REPORTED_CHANGE {
             self.notes
