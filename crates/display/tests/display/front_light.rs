@@ -192,7 +192,7 @@ fn invalid_front_lights_are_refused() {
     let dark = Scenario::from_text(&dark, "light.toml", Path::new(""), &[]).unwrap().resolve().unwrap_err();
     assert!(dark.to_string().contains("only with a front light"), "{dark}");
     for (display, lighting, wanted) in [
-        ("", guide, "needs a panel with a diffuser given by a lobe"),
+        ("", guide, "computed only above a diffuser of the model"),
         (LOBE, "illuminance_lx = 0", "out of range"),
         (LOBE, "illuminance_lx = 100\nupward_leak = 1", "expected a number from 0 to 0.99"),
         (LOBE, "spectrum = \"D65\"", "`illuminance_lx` is missing"),

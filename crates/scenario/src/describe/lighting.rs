@@ -48,7 +48,7 @@ table! {
         spectrum: Option<LightSpectrum>,
         /// Light that the guide emits downwards: a file of inclination in degrees (0 to 90, increasing) and
         /// relative radiance, or an IES or EULUMDAT file (.ies, .ldt), its nadir along the normal and C = 0
-        /// along x. Only for an ordinary panel with a diffuser given by a lobe. Default: diffuse.
+        /// along x. Only above a diffuser of the model k-correlation or lambertian, without `reflection`. Default: diffuse.
         distribution: Option<String>,
         /// Fraction of its light that the guide emits upwards, diffusely.
         upward_leak: Leak = Leak(0.0),

@@ -166,7 +166,8 @@ impl Resolver<'_> {
         let over_lobe = scene.display.panel().is_some_and(|panel| panel.diffuser().is_some());
         if guide.distribution.value.is_some() && !over_lobe {
             let wrong = Diagnostic::new(
-                "`distribution` of a front light needs a panel with a diffuser given by a lobe, without `reflection`",
+                "`distribution` of a front light is computed only above a diffuser of the model \"k-correlation\" or \"lambertian\", without \
+                 `reflection`, on the glass",
             )
             .hint("remove `distribution`: a diffuse front light can be above any layers");
             self.errors.push(guide.distribution.origin, wrong);
