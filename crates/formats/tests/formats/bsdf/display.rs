@@ -267,6 +267,45 @@ fn radiant_file_read_back_has_the_values_and_the_total_integrated_scatter() {
     assert!(write_bsdf_radiant(Vec::new(), &SOURCE, &table, 1).is_err());
 }
 
+/// A reflectance that is linear between the wavelengths has the same X, Y and Z whatever their step: those of its values at
+/// every nanometre.
+#[test]
+fn tristimulus_values_are_sums_over_every_nanometre() {
+    let at = |nm: f64| 0.05 + 0.75 * ((nm - 580.0) / 50.0).clamp(0.0, 1.0);
+    let values = |step: u32| {
+        let grid = RingGrid::about_lights(vec![0.0, 30.0], &LobeWidths::constant(20.0));
+        let wavelength_nm: Vec<f64> = (0..=400 / step).map(|k| f64::from(380 + step * k)).collect();
+        let spectrum: Vec<f64> = wavelength_nm.iter().map(|nm| at(*nm)).collect();
+        let viewers: usize = (0..2).map(|light| grid.viewers(light).0.len()).sum();
+        let brdf = (0..viewers).flat_map(|_| &spectrum).map(|value| *value as f32).collect();
+        let leaving = spectrum.repeat(2);
+        let specular = vec![0.0; leaving.len()];
+        let state = BrdfState { name: "red".to_owned(), brdf, specular, directional_hemispherical: leaving };
+        let row_errors = RowErrors::default();
+        let table = RingTable {
+            grid,
+            wavelength_nm,
+            states: vec![state],
+            nodes: 0,
+            discretisation_error: 0.0,
+            row_errors,
+        };
+        let mut bytes = Vec::new();
+        write_bsdf_radiant(&mut bytes, &SOURCE, &table, 0).unwrap();
+        let read = read_bsdf(&DataFile { name: "red.bsdf".to_owned(), bytes }).unwrap();
+        let tis = &read.value.parts[0].tis;
+        [tis[0], tis[2], tis[4]]
+    };
+    let truth = values(1);
+    for step in [5, 10, 25, 50] {
+        let found = values(step);
+        assert!(
+            found.iter().zip(truth).all(|(a, b)| (a / b - 1.0).abs() < 1e-4),
+            "{step}: {found:?} {truth:?}"
+        );
+    }
+}
+
 #[test]
 fn scene_script_contains_the_title_as_a_string_of_python() {
     let script = scene_script(&SOURCE);
