@@ -205,6 +205,17 @@ fn origin(edition: Edition, number: f64) -> Option<String> {
         .then(|| format!("its intensities are {} (type of generation {number})", found.join(", ")))
 }
 
+/// Returns whether these angles from 0 lack only 360 deg: the next step would end there.
+fn ends_one_step_early(angles_deg: &[f64]) -> bool {
+    /// Angles are written with a decimal or two.
+    const ROUNDED_DEG: f64 = 0.1;
+    let last = angles_deg[angles_deg.len() - 1];
+    angles_deg.len() > 2 && {
+        let steps = [angles_deg[1] - angles_deg[0], last - angles_deg[angles_deg.len() - 2]];
+        steps.iter().any(|step| (360.0 - last - step).abs() <= ROUNDED_DEG)
+    }
+}
+
 fn angles(
     numbers: &mut Numbers<'_>,
     photometry: Photometry,
@@ -226,7 +237,9 @@ fn angles(
     let horizontal = numbers.angles(columns, "the horizontal angle", (0.0, 360.0), expected)?;
     let (first, last) = (horizontal[0], horizontal[columns - 1]);
     let known = if first == 0.0 {
-        columns == 1 || [90.0, 180.0].contains(&last) || last > 180.0
+        columns == 1
+            || [90.0, 180.0, 360.0].contains(&last)
+            || (last > 180.0 && ends_one_step_early(&horizontal))
     } else {
         (first, last) == (90.0, 270.0)
     };
@@ -234,6 +247,6 @@ fn angles(
         return Ok((vertical, horizontal));
     }
     let what = "the horizontal angles have none of the symmetries of type C; expected one angle of 0, or angles from 0 to 90, \
-                0 to 180, 0 to 360 or 90 to 270 deg";
+                0 to 180, 0 to 360 (or to one step before) or 90 to 270 deg";
     Err(FormatError::whole(numbers.name, problem(what)))
 }

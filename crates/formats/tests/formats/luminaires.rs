@@ -232,6 +232,7 @@ fn each_symmetry_of_the_horizontal_angles_is_completed() {
         ("90 180 270", [20.0, 10.0, 20.0, 30.0]),
         ("0 90 180 270 360", [10.0, 20.0, 30.0, 40.0]),
         ("0 90 180 270", [10.0, 20.0, 30.0, 40.0]),
+        ("0 45 180 315", [10.0, 20.0 + 10.0 / 3.0, 30.0, 30.0 + 20.0 / 3.0]),
     ] {
         let count = angles.split(' ').count();
         let levels = [10.0, 20.0, 30.0, 40.0, 10.0];
@@ -242,8 +243,11 @@ fn each_symmetry_of_the_horizontal_angles_is_completed() {
             assert!((luminaire.intensity(45.0, turn) - wanted).abs() < 1e-12, "{angles}: {turn}");
         }
     }
-    for angles in ["0 60", "10 90", "90 180"] {
-        let text = format!("TILT=NONE\n1 -1 1 2 2 1 2 0 0 0\n1 1 30\n0 90\n{angles}\n1 1 1 1\n");
+    // Directions beyond the last angle would be guessed.
+    for angles in ["0 60", "10 90", "90 180", "0 270", "0 90 200", "0 90 300"] {
+        let count = angles.split(' ').count();
+        let rows = "1 1 ".repeat(count);
+        let text = format!("TILT=NONE\n1 -1 1 2 {count} 1 2 0 0 0\n1 1 30\n0 90\n{angles}\n{rows}\n");
         assert!(read(&text).unwrap_err().to_string().contains("none of the symmetries of type C"));
     }
 }
