@@ -69,9 +69,7 @@ pub use instrument::{
     tristimulus_factors,
 };
 pub use kernel::{Changes, Lamination, Preparation, kernel};
-pub use measurement::{
-    Channel, MeasuredPart, Measurement, Provenance, ScatterMode, may_be_relative, tis_in_percent,
-};
+pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMode, may_be_relative};
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use patch_rings::{lobe_patch_means, ring_patch_lights, ring_patch_means};
 pub use scattered::{PairError, PairErrors, PairInterpolation};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::Geometry;
+use crate::{Fill, Geometry, Shape};
 
 /// A measured, simulated or computed BSDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,13 +119,6 @@ pub struct MeasuredPart {
 /// Total transmittance below which values may be in relative units: films for displays pass more.
 const FAINT: f64 = 0.05;
 
-/// Returns whether total integrated scatters (TIS) are in per cent: the largest is no fraction, with any
-/// error of a measurement, but a percentage.
-pub fn tis_in_percent(tis: &[f64]) -> bool {
-    let largest = tis.iter().copied().fold(0.0, f64::max);
-    (1.5..=101.0).contains(&largest)
-}
-
 /// Returns whether the values of a transmission, 1/sr, may be in relative units, given the total at the
 /// smallest incidence, a fraction, and the largest value: hardly any light passes, or the values are
 /// normalised to 1 or 100.
@@ -161,9 +154,25 @@ impl MeasuredPart {
         self.tis.get(turn * grid.incidences_deg.len() + incidence).copied().filter(|tis| *tis > 0.0)
     }
 
-    /// Returns whether the TIS are in per cent ([`tis_in_percent`]).
+    /// Returns whether the total integrated scatters (TIS) are in per cent: the largest is a percentage, and no
+    /// fraction with any error of a measurement. The fraction of a sample that is brighter than the reference
+    /// is the integral of its values.
     pub fn tis_in_percent(&self) -> bool {
-        tis_in_percent(&self.tis)
+        let (number, largest) = self
+            .tis
+            .iter()
+            .copied()
+            .enumerate()
+            .fold((0, 0.0), |most, (number, tis)| if tis > most.1 { (number, tis) } else { most });
+        if !(1.5..=101.0).contains(&largest) {
+            return false;
+        }
+        let Geometry::Specular(grid) = &self.geometry else { return true };
+        let incidences = grid.incidences_deg.len();
+        let each = grid.rotations_deg.len() * incidences;
+        let shape = Shape::of_part(self, number / each.max(1), Fill::None);
+        let integral = shape.map_or(0.0, |shape| shape.total(number % incidences.max(1)));
+        !(0.5..2.0).contains(&(largest / integral))
     }
 
     /// Mean over rotations of the total integrated scatter of an incidence, for the mean lobe.

@@ -7,7 +7,6 @@ use std::ops::Range;
 
 use papilio_goniometry::{
     Channel, Geometry, MeasuredPart, Measurement, Provenance, ScatterMode, SpecularGrid, Symmetry,
-    tis_in_percent,
 };
 
 use super::text::{Lines, Text};
@@ -53,7 +52,6 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
     if let Some(line) = lines.next()? {
         return Err(unexpected(lines.text, line, "the end of the file"));
     }
-    let warnings = header.warnings(way, symmetry, &data, &grid);
     grid.symmetry = symmetry;
     let part = MeasuredPart {
         way,
@@ -62,6 +60,7 @@ pub(super) fn read(file: &DataFile) -> Result<Warned<Measurement>, FormatError> 
         values: data.values,
         tis: data.tis,
     };
+    let warnings = header.warnings(way, symmetry, &part);
     let source = header.source.unwrap_or_default();
     // Papilio's writer stores the name of the sample in a remark.
     let (samples, remarks): (Vec<_>, Vec<_>) =
@@ -218,13 +217,7 @@ impl Header {
         Ok(grid)
     }
 
-    fn warnings(
-        &self,
-        way: ScatterMode,
-        symmetry: Symmetry,
-        data: &Data,
-        grid: &SpecularGrid,
-    ) -> Vec<String> {
+    fn warnings(&self, way: ScatterMode, symmetry: Symmetry, part: &MeasuredPart) -> Vec<String> {
         let mut warnings: Vec<String> = self
             .skipped
             .iter()
@@ -237,15 +230,15 @@ impl Header {
                     .to_owned(),
             );
         }
-        if grid.rotations_deg.len() > 1 {
+        if matches!(&part.geometry, Geometry::Specular(grid) if grid.rotations_deg.len() > 1) {
             warnings.push(
                 "the sense of SampleRotation is not documented: a counter-clockwise rotation of the sample, seen from the \
                  front, is assumed"
                     .to_owned(),
             );
         }
-        let largest = data.tis.iter().copied().fold(0.0, f64::max);
-        if tis_in_percent(&data.tis) {
+        let largest = part.tis.iter().copied().fold(0.0, f64::max);
+        if part.tis_in_percent() {
             warnings.push(format!(
                 "the TIS, up to {largest}, is in per cent, but the format has fractions from 0 to 1: divide the lines `TIS` by 100 before \
                  `normalise = \"tis\"`"

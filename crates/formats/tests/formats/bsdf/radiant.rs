@@ -121,3 +121,21 @@ fn file_with_huge_axes_or_a_huge_line_is_refused() {
     let long = SMALL.replace("0 30", &"0 ".repeat(2 << 20));
     assert!(matches!(refused_bsdf(long), (Some((9, 1)), BsdfProblem::LongLine { .. })));
 }
+/// A sample brighter than the reference has a TIS above 1, which is the integral of its values; that of a constant
+/// value is pi times it.
+#[test]
+fn tis_of_a_bright_sample_is_no_percentage() {
+    let radials: Vec<String> = (0..=18).map(|k| (5 * k).to_string()).collect();
+    for (value, says) in [(0.54, "above 1"), (0.0054, "is in per cent")] {
+        let row = format!("{value} ").repeat(19);
+        let text = format!(
+            "Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nSampleRotation 1\n0\nAngleOfIncidence 1\n0\n\
+             ScatterAzimuth 3\n0 90 180\nScatterRadial 19\n{}\nMonochrome\nDataBegin\nTIS {}\n{row}\n{row}\n{row}\nDataEnd\n",
+            radials.join(" "),
+            0.54 * std::f64::consts::PI
+        );
+        let read = read_bsdf(&file(text)).unwrap();
+        assert!(read.warnings[0].contains(says), "{value}: {:?}", read.warnings);
+    }
+}
+
