@@ -73,6 +73,6 @@ pub use measurement::{Channel, MeasuredPart, Measurement, Provenance, ScatterMod
 pub use models::{Kind, Meaning, Model, Normalisation};
 pub use patch_rings::{lobe_patch_means, ring_patch_lights, ring_patch_means};
 pub use scattered::{PairError, PairErrors, PairInterpolation};
-pub use shape::{Fill, Shape, on_specular_grid};
+pub use shape::{Fill, Shape, is_on_rings, on_specular_grid};
 pub use tree::patch_means;
 pub use two_instruments::incidence_scale;

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use papilio_goniometry::{
     Channel, Fill, Geometry, MeasuredPart, Measurement, ScatterMode, Shape, SpecularGrid, Symmetry,
-    on_specular_grid, patch_count, projected_solid_angle,
+    is_on_rings, on_specular_grid, patch_count, projected_solid_angle,
 };
 
 use super::radiant_read::{AXES, NAME, SAMPLE, block_name};
@@ -58,6 +58,9 @@ fn resample(
     })?;
     lost.push(
         match part.geometry {
+            Geometry::Pairs(_) if is_on_rings(part) => {
+                "the pairs are those of a grid about the specular direction, which the file has; the TIS is the integral of the values"
+            }
             Geometry::Pairs(_) => {
                 "pairs that are on no grid about the specular direction were interpolated, at azimuths in steps of 10 deg and radial \
                  distances in steps of 0.5 to 2 deg; the TIS is the integral of the values"

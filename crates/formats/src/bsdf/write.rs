@@ -105,7 +105,8 @@ pub(super) struct Number(pub(super) f64);
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0.abs() {
-            size if size == 0.0 || (1e-5..1e15).contains(&size) => write!(f, "{}", self.0),
+            // Without the sign of a negative zero.
+            size if size == 0.0 || (1e-5..1e15).contains(&size) => write!(f, "{}", self.0 + 0.0),
             _ => write!(f, "{:e}", self.0),
         }
     }

@@ -32,8 +32,8 @@ use cells::{Cells, DifferenceSums, best_width, folded, without_tail_zeros, witho
 pub(crate) use horizon::inclined_to_deg;
 use incidence::Incidence;
 use line::Line;
-pub use resample::on_specular_grid;
 pub(crate) use resample::{Resampling, first_lobes, pair_interpolation};
+pub use resample::{is_on_rings, on_specular_grid};
 
 /// Treatment of directions of the hemisphere without light in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -265,6 +265,11 @@ fn rough_total(grid: &SpecularGrid, theta_deg: f64, value: impl Fn(Direction) ->
     sum
 }
 
+/// Returns whether the listed pairs of a part form a grid about the specular direction.
+pub fn is_on_rings(part: &MeasuredPart) -> bool {
+    matches!(on_rings(part), Cow::Owned(_))
+}
+
 /// Returns the part on a grid about the specular direction if its listed pairs form one; otherwise as it is.
 pub(super) fn on_rings(part: &MeasuredPart) -> Cow<'_, MeasuredPart> {
     let Geometry::Pairs(pairs) = &part.geometry else { return Cow::Borrowed(part) };
@@ -412,6 +417,9 @@ fn lobes(part: &MeasuredPart, channels: &[usize], grid: &SpecularGrid, light_deg
 /// Angles that differ by less than this are equal, degrees, because files round them.
 const SAME_DEG: f64 = 2e-3;
 
+/// Inverse of the step to which angles of a grid are rounded, per degree: lists of pairs have fewer decimals.
+const ROUNDED: f64 = 1e6;
+
 /// Converts listed pairs that lie on rings about the specular direction to a grid, with a rotation for each
 /// azimuth of the light; cells that are not listed are NaN.
 fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid, Vec<f64>)> {
@@ -439,7 +447,8 @@ fn rings(pairs: &[[Direction; 2]], channels: &[&[f64]]) -> Option<(SpecularGrid,
         let mut angles: Vec<f64> = points.iter().map(|place| place[axis]).collect();
         angles.sort_by(f64::total_cmp);
         angles.dedup_by(|b, a| *b - *a < SAME_DEG);
-        angles
+        // Without the rounding errors of their coordinates.
+        angles.into_iter().map(|angle| (angle * ROUNDED).round() / ROUNDED + 0.0).collect::<Vec<f64>>()
     });
     let (incidences, azimuths, radials) = (incidences_deg.len(), azimuths_deg.len(), radials_deg.len());
     let cells =

@@ -1,7 +1,7 @@
 //! The tabular BSDF of Radiant and Zemax.
 
 use papilio_formats::{BsdfFormat, BsdfProblem, Problem, read_bsdf};
-use papilio_goniometry::{Channel, Geometry, ScatterMode, Symmetry};
+use papilio_goniometry::{Channel, Geometry, MeasuredPart, ScatterMode, SpecularGrid, Symmetry};
 
 use super::samples::RADIANT as SMALL;
 use super::{file, read, refused, refused_bsdf, written};
@@ -63,6 +63,38 @@ fn radiant_file_reads_back_bit_for_bit() {
     }
 }
 
+/// Listed pairs of a grid are written on this grid, with its angles as they are and a note that tells so.
+#[test]
+fn pairs_of_a_grid_are_written_on_it() {
+    let steps = |count: u32, step: f64| -> Vec<f64> { (0..count).map(|k| step * f64::from(k)).collect() };
+    let grid = SpecularGrid {
+        rotations_deg: vec![0.0],
+        incidences_deg: vec![0.0, 30.0],
+        azimuths_deg: steps(24, 15.0),
+        radials_deg: steps(20, 3.0),
+        symmetry: Symmetry::None,
+    };
+    let grid = Geometry::Specular(grid);
+    let pairs: Vec<_> = (0..grid.cells()).filter_map(|cell| grid.directions(cell)).collect();
+    let part = MeasuredPart {
+        way: ScatterMode::FrontReflection,
+        channels: vec![Channel::Monochrome],
+        values: pairs.iter().map(|[_, to]| 0.1 + to.theta_deg / 900.0).collect(),
+        geometry: Geometry::Pairs(pairs),
+        tis: Vec::new(),
+    };
+    let (bytes, lost) =
+        written(BsdfFormat::Radiant, &papilio_goniometry::Measurement { parts: vec![part], ..read(SMALL) });
+    assert!(
+        lost.iter().any(|note| note.contains("those of a grid about the specular direction")),
+        "{lost:?}"
+    );
+    assert!(lost.iter().all(|note| !note.contains("interpolated")), "{lost:?}");
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(text.contains("\n0\t15\t30\t45\t"), "{text}");
+    assert!(text.contains("\n0\t3\t6\t9\t"), "{text}");
+}
+
 #[test]
 fn malformed_radiant_file_is_an_error_with_its_place() {
     let with = |from: &str, to: &str| SMALL.replacen(from, to, 1);
@@ -105,22 +137,6 @@ fn tis_above_one_is_a_warning() {
     }
 }
 
-#[test]
-fn file_with_huge_axes_or_a_huge_line_is_refused() {
-    let angles = |count: usize, step: f64| {
-        (0..count).map(|k| (k as f64 * step).to_string()).collect::<Vec<_>>().join(" ")
-    };
-    let axes = format!(
-        "Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nAngleOfIncidence 1000\n{}\n\
-         ScatterAzimuth 1000\n{}\nScatterRadial 1000\n{}\nMonochrome\nDataBegin\n",
-        angles(1000, 0.09),
-        angles(1000, 0.18),
-        angles(1000, 0.18)
-    );
-    assert!(matches!(refused_bsdf(axes).1, BsdfProblem::TooManyCells { .. }));
-    let long = SMALL.replace("0 30", &"0 ".repeat(2 << 20));
-    assert!(matches!(refused_bsdf(long), (Some((9, 1)), BsdfProblem::LongLine { .. })));
-}
 /// A sample brighter than the reference has a TIS above 1, which is the integral of its values; that of a constant
 /// value is pi times it.
 #[test]
@@ -139,3 +155,19 @@ fn tis_of_a_bright_sample_is_no_percentage() {
     }
 }
 
+#[test]
+fn file_with_huge_axes_or_a_huge_line_is_refused() {
+    let angles = |count: usize, step: f64| {
+        (0..count).map(|k| (k as f64 * step).to_string()).collect::<Vec<_>>().join(" ")
+    };
+    let axes = format!(
+        "Symmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nAngleOfIncidence 1000\n{}\n\
+         ScatterAzimuth 1000\n{}\nScatterRadial 1000\n{}\nMonochrome\nDataBegin\n",
+        angles(1000, 0.09),
+        angles(1000, 0.18),
+        angles(1000, 0.18)
+    );
+    assert!(matches!(refused_bsdf(axes).1, BsdfProblem::TooManyCells { .. }));
+    let long = SMALL.replace("0 30", &"0 ".repeat(2 << 20));
+    assert!(matches!(refused_bsdf(long), (Some((9, 1)), BsdfProblem::LongLine { .. })));
+}
