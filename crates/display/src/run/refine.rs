@@ -218,8 +218,23 @@ pub(crate) fn refine_or_fail<T>(
 /// ([`error_over_difference`](papilio_transport::adding::error_over_difference)).
 ///
 /// If differences decrease by a factor r from level to level, the remaining error is `r/(1 - r)` times the
-/// last. If they do not decrease and exceed rounding errors, the error is unknown and at least 1.
+/// last. If they do not decrease and exceed rounding errors, the error is unknown and at least 1. Two levels may agree by
+/// chance: no difference is taken to be less than a fiftieth of the one before, and first ones above a tenth tell nothing.
 pub(crate) fn level_error(times: f64, now: f64, before: Option<f64>) -> f64 {
+    /// Largest factor by which differences decrease, but by chance.
+    const FASTEST: f64 = 50.0;
+    /// Largest difference of two levels from which an error is concluded.
+    const FIRST: f64 = 0.1;
+    let error = extrapolated(times, now, before);
+    match before {
+        Some(before) if before.is_finite() => largest(error, before / FASTEST),
+        None if now > FIRST => error.max(1.0),
+        _ => error,
+    }
+}
+
+/// Computes the same, if differences are those of levels that converge.
+fn extrapolated(times: f64, now: f64, before: Option<f64>) -> f64 {
     /// Largest factor by which slow convergence is extrapolated.
     const MOST: f64 = 10.0;
     /// Differences above this are larger than the errors of tables.
@@ -257,7 +272,7 @@ fn difference(finer: &[f64], coarser: &[f64]) -> f64 {
 pub(crate) fn slowness([finer, coarser]: [&[f64]; 2], before: Option<&[f64]>) -> f64 {
     let now = difference(finer, coarser);
     let before = before.map(|before| difference(coarser, before));
-    if now > 0.0 { level_error(1.0, now, before) / now } else { 1.0 }
+    if now > 0.0 { extrapolated(1.0, now, before) / now } else { 1.0 }
 }
 
 /// Floor of the reference of relative errors, relative to the brightest row of a state: far from a lobe there
@@ -342,6 +357,9 @@ mod tests {
     fn error_of_differences_that_do_not_decrease_is_at_least_1() {
         assert_eq!(level_error(1.0, 0.01, None), 0.01);
         assert_eq!(level_error(1.0, 0.01, Some(0.1)), 0.01);
+        // By chance.
+        assert_eq!(level_error(1.0, 1e-5, Some(0.1)), 0.1 / 50.0);
+        assert_eq!(level_error(1.0, 0.3, None), 1.0);
         assert!((level_error(1.0, 0.03, Some(0.04)) - 0.09).abs() < 1e-12);
         assert!((level_error(4.0, 0.03, Some(0.04)) - 0.12).abs() < 1e-12);
         assert_eq!(level_error(1.0, 0.03, Some(0.02)), 1.0);

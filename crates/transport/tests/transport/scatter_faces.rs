@@ -410,3 +410,32 @@ fn set_stop_ends_computation_at_once() {
         assert_eq!(kernel.estimate_unless(&stack, 0, &stop), Some(seen));
     }
 }
+
+/// Far from the light of a lobe, orders nearly cancel: the light between them is right as far as they are. By an own sum
+/// over all directions in between, which converges exponentially.
+#[test]
+fn faint_light_far_from_a_lobe_equals_quadrature() {
+    let kernel = ward(0.1);
+    let through = ScatterFace::new(one(0.0)).with_transmission(times(kernel.clone(), 0.7));
+    let stack = stack([(face(through), clear(1.5))], mirror(0.6));
+    let (rings, turns) = (300_u32, 480_u32);
+    for (light, theta, phi) in [(50.0, 70.0, 40.0), (75.0, 60.0, 30.0), (50.0, 50.0, 60.0)] {
+        let (from, to) = (Beta::towards(light, 0.0, 1.0), Beta::towards(theta, phi, 1.0));
+        let mut sum = 0.0;
+        for ring in 0..rings {
+            let part = (f64::from(ring) + 0.5) / f64::from(rings);
+            let inclination = 0.5 * PI * (1.0 - part * part);
+            let weight = inclination.sin() * inclination.cos() * PI * part / f64::from(rings);
+            for turn in 0..turns {
+                let azimuth = 2.0 * PI * f64::from(turn) / f64::from(turns);
+                let length = inclination.sin();
+                let between = Beta { x: length * azimuth.cos(), y: length * azimuth.sin() };
+                sum += weight * kernel.evaluate(from, between) * kernel.evaluate(between, to);
+            }
+        }
+        let truth = PI * 0.49 * 0.6 * sum * 2.0 * PI / f64::from(turns);
+        let seen = estimate(5, &stack, Cone::new(theta, phi, 0.0, 1.0), &[beam(-light, 0.0)]);
+        let what = format!("from {light}, to {theta} {phi}: {truth:.3e}");
+        assert_close(&what, rho(&seen, 0) / truth, 1.0, 1e-4);
+    }
+}

@@ -26,13 +26,13 @@ pub(super) use surface::inside_width;
 pub(super) use transforms::azimuth_width;
 use transforms::{Transforms, orders};
 
-/// Orders of a rough interface's kernel: from above to above, from above to below, from below to below;
-/// single precision is enough for all but order 0, which contains the energy.
+/// Orders of a rough interface's kernel: from above to above, from above to below, from below to below. Far from a
+/// peak they nearly cancel, which takes double precision.
 #[derive(Debug, Clone)]
 pub(super) struct RoughOrders {
     zeroth: [Matrix; 3],
     /// `[order - 1][kernel]`, each indexed by [`place`].
-    later: Vec<[Vec<f32>; 3]>,
+    later: Vec<[Vec<f64>; 3]>,
     /// Factors of the light that crosses, by node above and below.
     factors: [Vec<f64>; 2],
     /// Light of each node that returns to its side, from above and from below.
@@ -169,7 +169,7 @@ impl RoughOrders {
         self.zeroth[way][(out, from)] = values[0] * scale;
         // As many as the rule resolves; the others are zero.
         for (order, value) in self.later.iter_mut().zip(&values[1..]) {
-            order[way][place(way, out, from, len)] = (value * scale) as f32;
+            order[way][place(way, out, from, len)] = value * scale;
         }
     }
 
@@ -180,7 +180,7 @@ impl RoughOrders {
 
     /// Returns the size in bytes.
     pub(super) fn bytes(&self) -> usize {
-        8 * (3 + self.later.len()) * self.zeroth[0].columns().pow(2)
+        8 * (3 + 2 * self.later.len()) * self.zeroth[0].columns().pow(2)
     }
 
     /// Returns the number of orders.
@@ -200,9 +200,10 @@ impl RoughOrders {
         let operator = |way: usize| {
             let mut kernel = match order.checked_sub(1) {
                 None => Some(self.zeroth[way].clone()),
-                Some(later) => self.later.get(later).map(|kernels| {
-                    Matrix::from_fn(len, len, |i, j| f64::from(kernels[way][place(way, i, j, len)]))
-                }),
+                Some(later) => self
+                    .later
+                    .get(later)
+                    .map(|kernels| Matrix::from_fn(len, len, |i, j| kernels[way][place(way, i, j, len)])),
             };
             if let Some(kernel) = kernel.as_mut().filter(|_| WAYS[way].0 != WAYS[way].1) {
                 let [above, below] = &self.factors;
@@ -254,7 +255,7 @@ fn factors(kernel: &Matrix, [from_above, from_below]: [Vec<f64>; 2], grid: &Grid
 fn blank(grid: &Grid, count: usize) -> RoughOrders {
     let len = grid.len();
     let zeroth = || Matrix::zeros(len, len);
-    let later = || -> [Vec<f32>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
+    let later = || -> [Vec<f64>; 3] { std::array::from_fn(|way| vec![0.0; places(way, len)]) };
     RoughOrders {
         zeroth: [zeroth(), zeroth(), zeroth()],
         // Allocated separately: copies would touch the memory of zeros.

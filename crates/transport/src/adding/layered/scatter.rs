@@ -28,9 +28,8 @@ const INTEGRATED: usize = 100;
 #[derive(Debug, Clone)]
 pub(super) struct ScatterOrders {
     zeroth: Matrix,
-    /// By order from the first on, `[in][out]`: single precision is enough for all but order 0, which
-    /// contains the energy.
-    later: Vec<Vec<f32>>,
+    /// By order from the first on, `[in][out]`. Far from a peak they nearly cancel, which takes double precision.
+    later: Vec<Vec<f64>>,
     /// Light of each node that the quadrature misses, averaged over both directions.
     missing: Vec<f64>,
     /// All nodes, and the number of those with weight.
@@ -119,7 +118,7 @@ impl ScatterOrders {
         self.zeroth[(out, from)] = values[0] * scale;
         let some = values.iter().rposition(|value| *value != 0.0).unwrap_or(0);
         for (order, value) in self.later.iter_mut().zip(values[..=some].iter().skip(1)) {
-            order[from * len + out] = (value * scale) as f32;
+            order[from * len + out] = value * scale;
         }
     }
 
@@ -177,7 +176,7 @@ impl ScatterOrders {
 
     /// Returns the size in bytes.
     pub(super) fn bytes(&self) -> usize {
-        4 * (2 + self.later.len()) * self.zeroth.columns().pow(2)
+        8 * (1 + self.later.len()) * self.zeroth.columns().pow(2)
     }
 
     /// Returns the number of orders.
@@ -190,10 +189,9 @@ impl ScatterOrders {
         let len = grid.len();
         let kernel = match order.checked_sub(1) {
             None => Some(self.zeroth.clone()),
-            Some(later) => self
-                .later
-                .get(later)
-                .map(|values| Matrix::from_fn(len, len, |i, j| f64::from(values[j * len + i]))),
+            Some(later) => {
+                self.later.get(later).map(|values| Matrix::from_fn(len, len, |i, j| values[j * len + i]))
+            }
         };
         Operator { regular: grid.regular, straight: self.missing.clone(), kernel: kernel.map(Arc::new) }
     }
