@@ -68,7 +68,7 @@ pub struct ConeResult {
     /// Largest relative discretisation error of Y over states and directions.
     pub discretisation_error: f64,
     /// Errors of Y of each state in each direction, `[direction][state]`, with directions as in `views`; 0
-    /// where the diffuser was not measured.
+    /// where there is no value.
     pub row_errors: RowErrors,
     /// Warnings for the user.
     pub warnings: Vec<String>,
@@ -91,9 +91,9 @@ pub struct ConeView {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConeState {
     /// Luminance factor (1: a perfect white in the same light); NaN where the diffuser was not
-    /// measured.
+    /// measured, or too faint for adding.
     pub reflectance_factor_y: f64,
-    /// Luminance, cd/m2; NaN where the diffuser was not measured.
+    /// Luminance, cd/m2; NaN in the same places.
     pub luminance_cd_m2: f64,
     /// CIE 1976 u'.
     pub u_prime: Option<f64>,

@@ -29,6 +29,8 @@ impl Meter<'_> {
     /// direction. With the display's white, L*, a* and b* of each direction are relative to the white state
     /// in that direction.
     pub(crate) fn cone_view(&self, colours: &[Xyz], reference: &[Xyz]) -> ConeView {
+        // Of colours that are not resolved nothing is defined.
+        let defined = |value: Option<f64>| value.filter(|value| value.is_finite());
         let (white, white_there) = (self.lab_white(colours), self.lab_white(reference));
         let state = |(xyz, there): (&Xyz, &Xyz)| {
             let (here, there) = (Colour::new(*xyz, white), Colour::new(*there, white_there));
@@ -37,19 +39,19 @@ impl Meter<'_> {
             ConeState {
                 reflectance_factor_y: xyz.y,
                 luminance_cd_m2: xyz.y * LUMENS_PER_WATT * self.white_xyz.y,
-                u_prime: uv.map(|uv| uv.u),
-                v_prime: uv.map(|uv| uv.v),
-                uv_shift,
-                lab,
-                delta_e_2000,
-                delta_e_1976: lab.zip(there.lab).map(|(lab, there)| lab.delta_e_1976(there)),
+                u_prime: defined(uv.map(|uv| uv.u)),
+                v_prime: defined(uv.map(|uv| uv.v)),
+                uv_shift: defined(uv_shift),
+                lab: lab.filter(|lab| lab.l.is_finite()),
+                delta_e_2000: defined(delta_e_2000),
+                delta_e_1976: defined(lab.zip(there.lab).map(|(lab, there)| lab.delta_e_1976(there))),
             }
         };
         let together = self.reference(&[]).together(colours);
         ConeView {
-            contrast_ratio: together.contrast_ratio,
-            gamut_percent_srgb: together.gamut_percent_srgb,
-            gamut_percent_ebu: together.gamut_percent_ebu,
+            contrast_ratio: defined(together.contrast_ratio),
+            gamut_percent_srgb: defined(together.gamut_percent_srgb),
+            gamut_percent_ebu: defined(together.gamut_percent_ebu),
             states: colours.iter().zip(reference).map(state).collect(),
         }
     }

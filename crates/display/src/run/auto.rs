@@ -12,7 +12,8 @@
 //!
 //! The counts are converted to seconds of one processor (EPYC with AVX-512, one core), correct to within a
 //! factor of ten. If adding takes less work than the pilot run, it is taken without a pilot run. Of two
-//! solvers that take about the same, adding is preferred, because its result has no noise.
+//! solvers that take about the same, adding is preferred, because its result has no noise. Where its finest level
+//! misses the target, as far from a narrow lobe, Monte Carlo is run after it if it is expected to meet the target soon.
 
 use std::fmt::Write;
 
@@ -37,6 +38,9 @@ const PREFERENCE: f64 = 2.0;
 
 /// Work above which no pilot run is made for an estimate alone, s.
 const LONGEST_PILOT_S: f64 = 1.0;
+
+/// Work of Monte Carlo above which it is not run where adding misses the target, s.
+const LONGEST_AFTER_ADDING_S: f64 = 60.0;
 
 /// Work of an exact answer of adding that needs no first answer, s.
 const QUICK_S: f64 = 0.02;
@@ -118,6 +122,23 @@ pub(crate) fn is_quick(setup: &Setup) -> bool {
 /// Chooses the solver of a run; there is no pilot run if adding takes less work.
 pub(super) fn choose(run: &Run<'_>) -> Result<Forecast, DisplayError> {
     estimated(run, |adding_s| adding_s.map_or(f64::INFINITY, |seconds| seconds / PREFERENCE))
+}
+
+/// Returns why Monte Carlo is to be run after adding, which has reached this relative error at its finest level;
+/// `None` if that meets the target, or if Monte Carlo is expected to take too long for it.
+pub(super) fn instead_of_adding(run: &Run<'_>, reached: f64) -> Result<Option<String>, DisplayError> {
+    let Stop::RelativeError { target, .. } = run.scene.solver.stop else { return Ok(None) };
+    if reached <= target || reached.is_nan() || is_too_thick(run.scene) {
+        return Ok(None);
+    }
+    let seconds = paths_needed(run, target)? * path_seconds(run.setup);
+    Ok((seconds <= LONGEST_AFTER_ADDING_S).then(|| {
+        format!(
+            "adding reaches only a relative error of {reached:.1e} at its finest level, Monte Carlo meets the target in about {} s of one \
+             processor",
+            plain(seconds)
+        )
+    }))
 }
 
 /// Estimates the work of both solvers; `longest_pilot` returns the work below which a pilot run is made, from

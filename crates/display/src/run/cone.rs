@@ -13,7 +13,9 @@ use rayon::ThreadPool;
 
 use super::memory::has_rings_apart;
 use super::progress::{Progress, SAMPLE, part_of_pass};
-use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
+use super::refine::{
+    Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness, unresolved,
+};
 use super::saved::{Kind, row_number};
 use super::{Control, Run, SavedRows, Unsaved, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
@@ -142,7 +144,11 @@ struct Rows {
     views: Vec<Vec<ConeView>>,
     /// Relative errors of each state's Y.
     errors: Vec<Vec<Vec<f64>>>,
+    /// Whether each state's Y is too faint for adding.
+    unresolved: Vec<Vec<Vec<bool>>>,
     nodes: u64,
+    /// False if a colour is not a number.
+    is_finite: bool,
 }
 
 /// Tristimulus values of each direction and state.
@@ -164,12 +170,11 @@ impl Survey<'_> {
         if !self.is_known(theta_deg) {
             return Some(Err(DisplayError::UnknownReference { theta_deg }));
         }
-        let Rows { views: rows, errors, nodes } = match self.run.setup.stack.panel() {
+        let Rows { views: rows, errors, unresolved, nodes, is_finite } = match self.run.setup.stack.panel() {
             Some(_) => self.of_panel(target, pool)?,
             None => self.of_layers(target, pool)?,
         };
-        let finite = |view: &ConeView| view.states.iter().all(|state| state.luminance_cd_m2.is_finite());
-        if !rows.iter().flatten().all(finite) {
+        if !is_finite {
             return Some(Err(DisplayError::NotFinite));
         }
         let computed = self.computed();
@@ -181,7 +186,10 @@ impl Survey<'_> {
             _ => ConeView::unknown(self.run.setup.states.len()),
         };
         let error = |theta: usize, phi: usize| match known.get(theta) {
-            Some(true) => errors[theta][phi].clone(),
+            Some(true) => {
+                let errors = errors[theta][phi].iter().zip(&unresolved[theta][phi]);
+                errors.map(|(error, unresolved)| if *unresolved { 0.0 } else { *error }).collect()
+            }
             _ => vec![0.0; self.run.setup.states.len()],
         };
         let directions = || places.iter().flat_map(|phi| (0..rows.len()).map(move |theta| (theta, *phi)));
@@ -189,6 +197,11 @@ impl Survey<'_> {
         let by_adding = always_by_adding(self.run.scene, "the maps are");
         let mut warnings: Vec<String> =
             by_adding.into_iter().chain(self.mirror_images()).chain(self.blank(&known)).collect();
+        let is_faint = |(theta, phi): (usize, usize)| -> Vec<bool> {
+            unresolved[theta][phi].iter().map(|faint| *faint && known.get(theta) == Some(&true)).collect()
+        };
+        let faint: Vec<bool> = directions().flat_map(is_faint).collect();
+        warnings.extend(too_faint(&faint));
         let relative: Vec<f64> = directions().flat_map(|(theta, phi)| error(theta, phi)).collect();
         let worst = relative.iter().copied().fold(0.0, largest);
         if worst > target {
@@ -218,10 +231,11 @@ impl Survey<'_> {
         let mut kernel = Kernel::new(0);
         let sample = self.sample(target, &mut kernel)?;
         let (rows, nodes) = self.all(kernel, (sample.level, [SAMPLE, 1.0]), pool)?;
-        let views = self.views(&rows, &sample.finer[0], pool);
         let states = self.run.setup.states.len();
-        let errors = views.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
-        Some(Rows { views, errors, nodes })
+        let errors = rows.iter().map(|row| vec![vec![sample.error; states]; row.len()]).collect();
+        let negative = |colours: &Vec<Xyz>| -> Vec<bool> { colours.iter().map(|xyz| xyz.y < 0.0).collect() };
+        let unresolved = rows.iter().map(|row| row.iter().map(negative).collect()).collect();
+        Some(self.rows((&rows, nodes), (sample.finer[0].clone(), errors, unresolved), pool))
     }
 
     /// Computes the directions of general layers. Light near the horizon may vary faster than in any sampled
@@ -256,8 +270,27 @@ impl Survey<'_> {
         let refined = refine(target, self.finest, at, error, |_, _| {})?;
         refined.finished.then_some(())?;
         let (_, errors) = errors([&refined.finer, &refined.coarser], refined.before.as_ref());
+        let (unresolved, of_reference) = unresolved_rows(&refined.finer, &refined.coarser, &errors);
         let Level { reference, rows, nodes } = &refined.finer;
-        Some(Rows { views: self.views(rows, reference, pool), errors, nodes: *nodes })
+        let reference = masked(reference, &of_reference);
+        Some(self.rows((rows, *nodes), (reference, errors, unresolved), pool))
+    }
+
+    /// Computes the entries of these directions, compared with those of the reference direction; `unresolved` ones
+    /// have no values.
+    fn rows(
+        &self,
+        (rows, nodes): (&[Colours], u64),
+        (reference, errors, unresolved): (Vec<Xyz>, Vec<Vec<Vec<f64>>>, Vec<Vec<Vec<bool>>>),
+        pool: Option<&ThreadPool>,
+    ) -> Rows {
+        let is_finite = rows.iter().flatten().flatten().all(|xyz| xyz.x.is_finite() && xyz.y.is_finite());
+        let mask = |(colours, unresolved): (&Vec<Xyz>, &Vec<bool>)| masked(colours, unresolved);
+        let of_row = |(row, unresolved): (&Colours, &Vec<Vec<bool>>)| -> Colours {
+            row.iter().zip(unresolved).map(mask).collect()
+        };
+        let resolved: Vec<Colours> = rows.iter().zip(&unresolved).map(of_row).collect();
+        Rows { views: self.views(&resolved, &reference, pool), errors, unresolved, nodes, is_finite }
     }
 
     /// Computes all directions of general layers at a level; `None` if it was stopped.
@@ -473,6 +506,44 @@ impl Survey<'_> {
         views.dedup();
         views
     }
+}
+
+/// Returns the colours of the states, without those that are not resolved.
+fn masked(colours: &[Xyz], unresolved: &[bool]) -> Vec<Xyz> {
+    let nothing = Xyz { x: f64::NAN, y: f64::NAN, z: f64::NAN };
+    colours.iter().zip(unresolved).map(|(xyz, unresolved)| if *unresolved { nothing } else { *xyz }).collect()
+}
+
+/// Returns which states adding does not resolve, `[theta][phi][state]` and of the reference direction, given the
+/// finer of two levels and the relative errors of its rows.
+fn unresolved_rows(
+    finer: &Level,
+    coarser: &Level,
+    errors: &[Vec<Vec<f64>>],
+) -> (Vec<Vec<Vec<bool>>>, Vec<bool>) {
+    let y = |colours: &Vec<Xyz>| -> Vec<f64> { colours.iter().map(|xyz| xyz.y).collect() };
+    let all: Vec<Vec<f64>> = finer.rows.iter().flatten().map(y).collect();
+    let most = largest_of_states(all.iter().map(Vec::as_slice), finer.reference.len());
+    let of_rows = unresolved(&all, &errors.concat(), &most);
+    // The reference direction is beside the map: its difference is that of the levels.
+    let [reference, before] = [&finer.reference, &coarser.reference].map(y);
+    let of_reference =
+        unresolved(std::slice::from_ref(&reference), &[row_errors(&reference, &before, &most, 1.0)], &most);
+    let mut rest = of_rows.into_iter();
+    let rows = finer.rows.iter().map(|row| rest.by_ref().take(row.len()).collect()).collect();
+    (rows, of_reference.concat())
+}
+
+/// Returns one warning for all states and directions that adding does not resolve.
+fn too_faint(unresolved: &[bool]) -> Option<String> {
+    let count = unresolved.iter().filter(|unresolved| **unresolved).count();
+    (count > 0).then(|| {
+        format!(
+            "{count} of {} values of Y are too faint for adding beside the brightest of their state: they are left out, with what depends on \
+             them; --solver monte-carlo computes single views",
+            unresolved.len()
+        )
+    })
 }
 
 /// All numbers of a row, to be saved.

@@ -199,7 +199,7 @@ pub(crate) fn run_setup(
     if setup.scene.display.filter().is_some() {
         return filtered::run(&run);
     }
-    let forecast = (setup.scene.solver.method == Method::Auto).then(|| auto::choose(&run)).transpose()?;
+    let mut forecast = (setup.scene.solver.method == Method::Auto).then(|| auto::choose(&run)).transpose()?;
     let method = forecast.as_ref().map_or(setup.scene.solver.method, |forecast| forecast.cheaper);
     let mut result = match method {
         Method::MonteCarlo => {
@@ -212,6 +212,20 @@ pub(crate) fn run_setup(
             adding::run(&run, kernels, Workers::unless_one(workers, control.threads)?)
         }
     }?;
+    if let Some(forecast) = &mut forecast
+        && result.solver.paths.is_none()
+        && accuracy == Accuracy::Exact
+        && !result.solver.interrupted
+        && let Some(reason) = auto::instead_of_adding(&run, result.solver.relative_error_reached)?
+    {
+        let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
+        let by_paths = pool.install(|| walk::run(&run))?;
+        if by_paths.solver.interrupted
+            || by_paths.solver.relative_error_reached < result.solver.relative_error_reached
+        {
+            (result, forecast.reason) = (by_paths, reason);
+        }
+    }
     if let Some((kept, port)) = setup.kept.as_ref().zip(setup.scene.lighting.port) {
         // The brighter of diffuse light and the light of an environment.
         let brightest = |a: &usize, b: &usize| {

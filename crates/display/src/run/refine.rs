@@ -289,6 +289,35 @@ pub(crate) fn row_errors(finer: &[f64], coarser: &[f64], most: &[f64], times: f6
     finer.iter().zip(coarser).zip(most.iter().cycle()).map(error).collect()
 }
 
+/// Returns which values of the rows, `[row][state]`, adding does not resolve: negative ones, and faint ones whose
+/// error is above a tenth. `errors` are those of [`row_errors`], `most` is the largest value of each state. Far from
+/// the light of a lobe, levels differ by what remains of a sum that cancels: a difference that is small by chance is
+/// replaced by three times their root mean square.
+pub(crate) fn unresolved(rows: &[Vec<f64>], errors: &[Vec<f64>], most: &[f64]) -> Vec<Vec<bool>> {
+    /// Relative error above which a faint value is not resolved.
+    const MOST: f64 = 0.1;
+    const TIMES: f64 = 3.0;
+    let size = |y: f64, most: f64| y.abs().max(FAINT * most);
+    let floor = |state: usize| {
+        let most = most[state];
+        let of_row =
+            |(row, errors): (&Vec<f64>, &Vec<f64>)| (row[state], errors[state] * size(row[state], most));
+        let faint = rows.iter().zip(errors).map(of_row).filter(|(y, _)| y.abs() < FAINT * FAINT * most);
+        let (sum, count) =
+            faint.fold((0.0_f64, 0.0), |(sum, count), (_, error)| (sum + error * error, count + 1.0));
+        if count > 0.0 { TIMES * (sum / count).sqrt() } else { 0.0_f64 }
+    };
+    let floors: Vec<f64> = (0..most.len()).map(floor).collect();
+    let of_state = |((y, error), (most, floor)): ((&f64, &f64), (&f64, &f64))| {
+        let faint = y.abs() < FAINT * most && (error * size(*y, *most)).max(*floor) > MOST * y.abs();
+        *y < 0.0 || faint
+    };
+    let of_row = |(row, errors): (&Vec<f64>, &Vec<f64>)| {
+        row.iter().zip(errors).zip(most.iter().zip(&floors)).map(of_state).collect()
+    };
+    rows.iter().zip(errors).map(of_row).collect()
+}
+
 /// Returns the largest value of each state; the rows contain the values of all states in turn.
 pub(crate) fn largest_of_states<'a>(rows: impl Iterator<Item = &'a [f64]>, states: usize) -> Vec<f64> {
     let mut most = vec![0.0; states];
@@ -375,6 +404,26 @@ mod tests {
         let errors = row_errors(&[1.0, 1e-3, -0.5, 1e-9], &[0.99, 1e-3, -0.5, 2e-9], &most, 1.0);
         assert!((errors[0] - 0.01).abs() < 1e-12 && errors[1] == 0.0 && errors[2] == 1.0, "{errors:?}");
         assert!((errors[3] - 0.01).abs() < 1e-12, "{errors:?}");
+    }
+
+    /// Bright values are resolved whatever their error; faint ones if it is below a tenth, with the noise of their
+    /// neighbours; negative ones never.
+    #[test]
+    fn faint_values_are_resolved_by_their_own_error_and_the_noise_of_the_dark() {
+        let rows = [2.0, 1e-4, 1e-4, -0.5, 1e-9, 1e-9, 3e-8].map(|y| vec![y]);
+        let differences = [1.0, 1e-6, 2e-5, 0.0, 4e-9, 0.0, 0.0];
+        let most = largest_of_states(rows.iter().map(Vec::as_slice), 1);
+        let errors: Vec<Vec<f64>> = rows
+            .iter()
+            .zip(differences)
+            .map(|(row, difference)| row_errors(row, &[row[0] + difference], &most, 1.0))
+            .collect();
+        let found = unresolved(&rows, &errors, &most).concat();
+        // The noise of the dark is 3 sqrt(16/2) 1e-9 = 8.5e-9.
+        assert_eq!(found, [false, false, true, true, true, true, true]);
+        let without_dark = unresolved(&rows[..3], &errors[..3], &most).concat();
+        assert_eq!(without_dark, [false, false, true]);
+        assert_eq!(unresolved(&[vec![0.0]], &[vec![0.0]], &[0.0]), [[false]]);
     }
 
     #[test]
