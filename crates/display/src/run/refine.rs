@@ -4,7 +4,8 @@ use std::collections::HashSet;
 
 use papilio_optics::lobe::Lobe;
 use papilio_transport::adding::{
-    FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, azimuthal_seconds, narrowest, nodes_needed,
+    FINEST, MOST_NODES, MOST_NODES_OF_FURTHER, Narrowness, azimuthal_seconds, is_azimuthal, narrowest,
+    nodes_needed,
 };
 use papilio_transport::{Cone, Diffuser, Panel, Reflector, Source, Stack, Top};
 
@@ -27,6 +28,13 @@ const FINEST_OF_DIRECTIONS: u32 = 3;
 /// of this one take 10 s, without progress.
 const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 
+/// Error: light from too many directions on a diffuser above a pixel that depends on azimuth, by adding.
+const MANY_DIRECTIONS: DisplayError = DisplayError::Azimuth {
+    what: "adding in light from so many directions below this diffuser",
+    key: "solver.method",
+    hint: "\"monte-carlo\" does, by `papilio run` and `sweep`; adding does below a diffuser without `regular_fraction`, with a wider lobe, or in beams alone",
+};
+
 /// Returns the finest level that can be computed for the layers of a display.
 ///
 /// # Errors
@@ -41,7 +49,8 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         // Two levels are needed; further ones are computed where they fit.
         let fits = |level: &u32| azimuthal_work(setup, *level).is_some();
         let last = (1..=FINEST_OF_DIRECTIONS).take_while(fits).last();
-        return last.map(|level| level as usize).ok_or(AZIMUTH_BELOW_SCATTERER);
+        let refused = if is_azimuthal(stack) { MANY_DIRECTIONS } else { AZIMUTH_BELOW_SCATTERER };
+        return last.map(|level| level as usize).ok_or(refused);
     }
     if let Some(width) = width_of_panel(stack)
         && width < NARROWEST_IN_FIELDS

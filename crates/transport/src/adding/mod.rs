@@ -64,6 +64,12 @@ pub fn azimuthal_seconds(stack: &Stack, views: &[Cone], sources: &[Source], leve
     azimuthal::seconds(stack.in_runs(), views, sources, f64::from(level))
 }
 
+/// Returns whether these are a diffuser above a pixel that depends on azimuth, as this solver knows them; views and sources may
+/// still take too much work ([`azimuthal_seconds`]).
+pub fn is_azimuthal(stack: &Stack) -> bool {
+    azimuthal::applies(stack.in_runs())
+}
+
 /// Returns the factor by which the difference between two levels must be multiplied to bound the error of
 /// the finer one. Refracted light of a rough interface ends abruptly in direction, and its error decreases
 /// by as little as a factor of 1.3 per level (the sum of the remaining differences is then up to 4 times the
