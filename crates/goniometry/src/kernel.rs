@@ -10,7 +10,7 @@ use papilio_optics::scatter::{Scatter, Table};
 use papilio_optics::{Beta, Scatterer};
 
 use crate::shape::{Extent, Resampling, inclined_to_deg, on_specular_grid, pair_interpolation};
-use crate::tree::{RING_DEG, ring_kernel};
+use crate::tree::{RING_DEG, moved_by_rings, ring_kernel};
 use crate::{
     Direction, Fill, Geometry, GoniometryError, MeasuredPart, PairErrors, Shape, SpecularGrid, TensorTree,
     incidence_scale,
@@ -233,6 +233,11 @@ fn of_tree(
         None => 1.0,
     };
     let scatter = Scatter::from(ring_kernel(part, tree, channel, |beta| level / mean * without_back(beta)));
+    let as_measured = match preparation.lamination {
+        Some(_) => Scatter::from(ring_kernel(part, tree, channel, |_| 1.0)),
+        None => scatter.clone(),
+    };
+    let moved = |theta: f64| moved_by_rings(part, tree, channel, &as_measured, theta);
     let after = |theta: f64| match preparation.lamination {
         Some(_) => mean * scatter.albedo_at(theta.to_radians().sin()),
         None => level * total(theta),
@@ -259,7 +264,7 @@ fn of_tree(
         last_deg: 90.0,
         held: 0.0,
         lost: 0.0,
-        grid_error: Some(0.0),
+        grid_error: Some([0.0, 30.0, 60.0].map(moved).into_iter().fold(0.0, f64::max)),
         azimuth_error: Some(0.0),
         asymmetry: tree.asymmetry(values),
     };

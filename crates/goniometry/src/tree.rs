@@ -8,7 +8,8 @@
 
 use std::f64::consts::PI;
 
-use papilio_optics::scatter::{RingKernel, Rings};
+use papilio_optics::scatter::{RingKernel, Rings, Scatter};
+use papilio_optics::{Beta, Scatterer};
 
 use crate::geometry::direction_of_square;
 use crate::{Direction, MeasuredPart, Ring, TensorTree, patch_count, projected_solid_angle};
@@ -223,6 +224,43 @@ fn balance(light: &mut [f64], from: &[f64], to: &[f64]) {
     }
 }
 
+/// Number of directions of the viewer along a side of the square, at which rings are compared with cells.
+const COMPARED: usize = 64;
+
+/// Returns the part of the light of an inclination that rings have elsewhere than the cells of the tree: half of the sum of
+/// the differences, relative to the total. `kernel` is [`ring_kernel`]; its total may differ.
+pub(crate) fn moved_by_rings(
+    part: &MeasuredPart,
+    tree: &TensorTree,
+    channel: usize,
+    kernel: &Scatter,
+    theta_deg: f64,
+) -> f64 {
+    let lights = tree.lights(theta_deg);
+    let from = Beta { x: theta_deg.to_radians().sin(), y: 0.0 };
+    // Rings do not distinguish the two sides of the plane of incidence.
+    let of_cells = |to: &Direction| -> f64 {
+        let at = |light: &Direction, turn: f64| {
+            let to = Direction::new(to.theta_deg, light.phi_deg + 180.0 + turn);
+            part.evaluate(channel, *light, to).unwrap_or(0.0).max(0.0)
+        };
+        let of_light = |light: &Direction| 0.5 * (at(light, to.phi_deg) + at(light, -to.phi_deg));
+        lights.iter().map(of_light).sum::<f64>() / lights.len() as f64
+    };
+    let of_rings = |to: &Direction| {
+        let (length, (sin_phi, cos_phi)) =
+            (to.theta_deg.to_radians().sin(), to.phi_deg.to_radians().sin_cos());
+        kernel.evaluate(from, Beta { x: length * cos_phi, y: length * sin_phi })
+    };
+    let directions = Places::new(COMPARED).directions;
+    let both: Vec<[f64; 2]> = directions.iter().map(|to| [of_cells(to), of_rings(to)]).collect();
+    let [cells, rings] = [0, 1].map(|one| both.iter().map(|pair| pair[one]).sum::<f64>());
+    if cells <= 0.0 || rings <= 0.0 {
+        return 0.0;
+    }
+    0.5 * both.iter().map(|pair| (pair[0] / cells - pair[1] / rings).abs()).sum::<f64>()
+}
+
 /// Number of points of an incident patch, in inclination and in azimuth.
 const POINTS: usize = 6;
 /// Number of parts of a side of the square, of which each lights one patch.
@@ -264,9 +302,6 @@ pub fn patch_means(tree: &TensorTree, values: &[f64], rings: &[Ring]) -> Vec<f64
 
 #[cfg(test)]
 mod tests {
-    use papilio_optics::scatter::Scatter;
-    use papilio_optics::{Beta, Scatterer};
-
     use super::*;
     use crate::{Audit, Channel, Geometry, KLEMS_FULL, ScatterMode, TreeNode};
 

@@ -3,12 +3,16 @@
 //! f is constant over a cell, and the fraction of the square that a cell covers is its fraction of the
 //! projected solid angle. The hemispherical value for a direction of the light is therefore the sum of value
 //! x area x pi, exactly. An anisotropic tree has a mean over azimuths of the light. Details finer than a
-//! cell, such as half-widths and haze, are unknown.
+//! cell, such as half-widths and haze, are unknown. The grid error is the part of the light that a display has elsewhere
+//! than the cells, because it spreads it over rings.
 
 use std::f64::consts::PI;
 
+use papilio_optics::scatter::Scatter;
+
 use super::{Audit, Incidence, reciprocity};
 use crate::geometry::LitSquare;
+use crate::tree::{moved_by_rings, ring_kernel};
 use crate::{Direction, MeasuredPart, TensorTree};
 
 /// Inclinations of the light: 0 to 85 deg in steps of 5.
@@ -17,8 +21,12 @@ const INCIDENCES: u32 = 18;
 /// Audits one channel, given by its index.
 pub(super) fn audit(tree: &TensorTree, part: &MeasuredPart, channel: usize) -> Audit {
     let values = part.channel(channel);
-    let incidences: Vec<Incidence> =
-        (0..INCIDENCES).map(|k| incidence(tree, part, channel, 5.0 * f64::from(k))).collect();
+    let kernel = Scatter::from(ring_kernel(part, tree, channel, |_| 1.0));
+    let at = |theta_deg: f64| Incidence {
+        grid_error: Some(moved_by_rings(part, tree, channel, &kernel, theta_deg)),
+        ..incidence(tree, part, channel, theta_deg)
+    };
+    let incidences: Vec<Incidence> = (0..INCIDENCES).map(|k| at(5.0 * f64::from(k))).collect();
     let count = |is: fn(&f64) -> bool| values.iter().filter(|value| is(value)).count();
     let lit = || values.iter().copied().filter(|value| *value > 0.0);
     let peak = lit().fold(0.0, f64::max);

@@ -9,3 +9,4 @@ mod measured;
 mod merl;
 mod rotations;
 mod scipy;
+mod trees;
