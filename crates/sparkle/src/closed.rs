@@ -9,11 +9,16 @@
 //! that is blurred by `Kσ`: a Hermite function at each of its edges. The powers of the correlation along x
 //! and along y separate. The sum needs few terms, and no reciprocal vectors.
 //!
+//! **A pupil** blurs the windows by a disc. The sum has a Gaussian of the same mean square instead, times what the disc has of it
+//! for small deflections: their variance is the integral over frequencies of that of the windows, blurred by either, times the
+//! spectrum of `K m` along the gradient, `(2π)⁴ (f·K·f)² S(f)`.
+//!
 //! **Small deflections** ([`of_one_window`]). For `Kσ << ξ << w`, only the first power contributes, as an
 //! integral along the edges of the window.
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
 use papilio_optics::RandomFace;
 use papilio_optics::quadrature::gauss;
 
@@ -80,7 +85,61 @@ pub fn pixel_power_deviation(
     };
     let axes = [axis(0, xx), axis(1, yy)];
     let variance = variance(face, &axes, &matrix.windows, powers);
-    Some(variance.max(0.0).sqrt() / mean)
+    let disc = disc_over_gaussian(face, &axes, matrix);
+    Some((disc * variance.max(0.0)).sqrt() / mean)
+}
+
+/// Highest frequency of the spectrum of a face times its correlation length, steps of the frequency in one over the pitch, and most steps
+/// to either side.
+const HIGHEST: f64 = 1.3;
+const STEP: f64 = 0.15;
+const MOST_STEPS: f64 = 256.0;
+
+/// Variance for small deflections below a pupil over that of a Gaussian with its mean square.
+fn disc_over_gaussian(face: RandomFace, axes: &[Axis; 2], matrix: &Matrix) -> f64 {
+    if axes.iter().all(|axis| axis.blur == 0.0) {
+        return 1.0;
+    }
+    let highest = HIGHEST / face.correlation_mm;
+    let steps = axes.each_ref().map(|axis| (highest * axis.pitch / STEP).ceil().min(MOST_STEPS));
+    let (mut disc, mut gaussian) = (0.0, 0.0);
+    for (column, row) in
+        (0..steps[0] as i32).flat_map(|x| (-(steps[1] as i32)..=steps[1] as i32).map(move |y| (x, y)))
+    {
+        // Half of the plane, without the zero.
+        let f = [(f64::from(column) + 0.5) / steps[0] * highest, f64::from(row) / steps[1] * highest];
+        let phase = |mm: [f64; 2]| 2.0 * PI * (mm[0] * f[0]).hypot(mm[1] * f[1]);
+        let moved = phase(axes.each_ref().map(|axis| axis.moved));
+        let blurred = phase(axes.each_ref().map(|axis| axis.blur));
+        let along: f64 = (0..2).map(|k| axes[k].moved * f[k] * f[k]).sum();
+        let spectrum =
+            face.height_spectrum(f[0].hypot(f[1])) * (along * (-0.5 * moved * moved).exp()).powi(2);
+        let light = spectrum * windows_at(matrix, f);
+        // The radius of the disc is twice the root mean square along an axis.
+        let radius = 2.0 * blurred;
+        let of_disc = if radius < 1e-6 { 1.0 } else { 2.0 * libm::j1(radius) / radius };
+        disc += light * of_disc.powi(2);
+        gaussian += light * (-blurred * blurred).exp();
+    }
+    if gaussian > 0.0 { disc / gaussian } else { 1.0 }
+}
+
+/// Square of the Fourier transform of the windows of a pixel at a frequency.
+fn windows_at(matrix: &Matrix, f: [f64; 2]) -> f64 {
+    let mut sum = Complex64::ZERO;
+    for Window { rectangle_mm, weight } in &matrix.windows {
+        let along = |axis: usize| {
+            let (from, to) = (rectangle_mm[axis], rectangle_mm[axis + 2]);
+            let half = PI * f[axis] * (to - from);
+            let size = if half.abs() < 1e-9 { 1.0 } else { half.sin() / half };
+            Complex64::from_polar(
+                (to - from) * size.abs(),
+                PI * f[axis] * (from + to) + if size < 0.0 { PI } else { 0.0 },
+            )
+        };
+        sum += along(0) * along(1) * *weight;
+    }
+    sum.norm_sqr()
 }
 
 /// Highest power of the correlation of the same component, and of different ones (at most 1/e), for errors

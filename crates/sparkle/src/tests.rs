@@ -172,9 +172,8 @@ fn closed_form_is_linear_in_small_deflections() {
     }
 }
 
-/// A pupil blurs the windows: as a disc in rays, as a Gaussian of its mean square in the closed form. Here the
-/// disc is as large as a window, and its sparkle is lower than that of the Gaussian: 0.0330(3) and 0.0367(3) of
-/// a separate Monte Carlo program that traces both.
+/// A pupil blurs the windows as a disc. Here its image is twice as wide as a window: 0.0330(3) of a separate Monte Carlo program, and
+/// 0.0367(3) of a Gaussian of the same mean square.
 #[test]
 fn pupil_lowers_sparkle() {
     let mut panel = panel(3.0, 0.01, 0.008);
@@ -186,11 +185,8 @@ fn pupil_lowers_sparkle() {
         closed::pixel_power_deviation(gaussian(&panel), view.per_slope_mm(), &panel.matrix, blur).unwrap();
     assert!(lower < 0.9 * pinhole, "{lower} {pinhole}");
     let found = run(&panel, 320).matrix;
-    let of_disc = 0.0330 / 0.0367 * lower;
-    assert!(
-        (found.ppd - of_disc).abs() < SIGMA * found.standard_error + 0.03 * of_disc,
-        "{found:?} {of_disc}"
-    );
+    assert!((lower / 0.0330 - 1.0).abs() < 0.04, "{lower}");
+    assert!((found.ppd - lower).abs() < SIGMA * found.standard_error + 0.03 * lower, "{found:?} {lower}");
 }
 
 /// Seen obliquely, a pupil is foreshortened along the plane of view, and blurs the windows less there: rays and closed form agree, for
@@ -209,12 +205,65 @@ fn oblique_pupil_is_foreshortened() {
         let (lower, wrong) =
             (blurred(blur), blurred([0, 2].map(|k| 0.5 * panel.pupil.radius() * view.place_per_beta_mm[k])));
         let found = run(&panel, 320).matrix;
-        // Within the standard errors and 5 %: the closed form takes a Gaussian for the disc.
-        assert!((found.ppd - lower).abs() < SIGMA * found.standard_error + 0.05 * lower, "{found:?} {lower}");
+        // Within the standard errors and the 2 % of cells and of larger deflections.
+        assert!((found.ppd - lower).abs() < SIGMA * found.standard_error + 0.03 * lower, "{found:?} {lower}");
         assert!(
-            phi_deg > 0.0 || lower - wrong > SIGMA * found.standard_error + 0.05 * lower,
+            phi_deg > 0.0 || lower - wrong > SIGMA * found.standard_error + 0.02 * lower,
             "{lower} {wrong}"
         );
+    }
+}
+
+/// Small deflections through the oblique disc of a pupil, by an integral in the plane that knows nothing of Gaussians or of the
+/// transform of a disc: the light of a window whose edges are blurred is the mean over points of the pupil, its variance the double integral of
+/// the correlation of the slopes.
+#[test]
+fn disc_of_an_oblique_pupil_has_its_own_sparkle() {
+    let mut panel = panel(1.0, 1e-4, 0.012);
+    panel.matrix = Matrix::single(0.084, 0.026, 0.04);
+    panel.pupil = Pupil { diameter_mm: 12.0, distance_mm: 300.0 };
+    for phi_deg in [0.0, 90.0] {
+        panel.view = Beta::towards(65.0, phi_deg, 1.0);
+        let view = Deflection::new(&panel.media, panel.view);
+        let (k, blur) = (view.per_slope_mm(), view.blur_mm(&panel.pupil));
+        let found = closed::pixel_power_deviation(gaussian(&panel), k, &panel.matrix, blur).unwrap();
+        // The four edges of the window, in steps, each moved to the points of the pupil: places and normals times K.
+        let pupil: Vec<[f64; 2]> = deflection::directions(panel.view, panel.pupil.radius(), 3)
+            .into_iter()
+            .map(|beta| view.shift(beta))
+            .collect();
+        let step = 0.002;
+        let mut edges: Vec<([f64; 2], [f64; 2])> = Vec::new();
+        for (axis, length, width) in [(0, 0.04, 0.026), (1, 0.026, 0.04)] {
+            for side in [-1.0, 1.0] {
+                let count = (length / step) as i32;
+                for n in 0..count {
+                    let along = (f64::from(n) + 0.5) * step - 0.5 * length;
+                    let across = 0.5 * side * width;
+                    let (place, normal) = if axis == 0 {
+                        ([across, along], [side * k[0], 0.0])
+                    } else {
+                        ([along, across], [0.0, side * k[2]])
+                    };
+                    edges.push((place, normal.map(|part| part * step)));
+                }
+            }
+        }
+        let pairs = pupil.iter().flat_map(|one| pupil.iter().map(move |other| (one, other)));
+        let apart: Vec<[f64; 2]> = pairs.map(|(one, other)| [one[0] - other[0], one[1] - other[1]]).collect();
+        let mut variance = 0.0;
+        for (at, one) in &edges {
+            for (place, other) in &edges {
+                for offset in &apart {
+                    let r = [0, 1].map(|axis| at[axis] - place[axis] + offset[axis]);
+                    let [xx, xy, yy] = gaussian(&panel).slope_correlation(r);
+                    variance +=
+                        one[0] * (xx * other[0] + xy * other[1]) + one[1] * (xy * other[0] + yy * other[1]);
+                }
+            }
+        }
+        let expected = 1e-4 * (variance / apart.len() as f64).sqrt() / (0.026 * 0.04);
+        assert!((found / expected - 1.0).abs() < 0.01, "{phi_deg}: {found} {expected}");
     }
 }
 
