@@ -59,6 +59,11 @@ impl MetricDistribution {
             percentiles: percentiles(&sorted),
         })
     }
+
+    /// Returns whether the metric varies by more than rounding errors.
+    pub fn varies(&self) -> bool {
+        !is_rounding(self.mean.value, self.deviation.value.powi(2))
+    }
 }
 
 /// Standard deviation, from sums of values, of their squares, of `n squares - sum^2` and `n^2` of each replicate with n values, and

@@ -12,7 +12,6 @@ use papilio_optics::lobe::Lobe;
 use papilio_scenario::Scenario;
 use papilio_spectra::{Grid, material};
 use papilio_testing::sized;
-use papilio_testing::sized;
 
 use crate::common::{prepared_for, run, scenario, walked};
 
