@@ -178,6 +178,47 @@ fn a_cholesteric_layer_is_a_cell_that_turns_as_far() {
     }
 }
 
+/// The error of slices falls with the square of their number, so that 1000 and 2000 give the limit. Fewer slices have their error in a note.
+#[test]
+fn cells_that_turn_by_up_to_3600_deg_have_slices_enough() {
+    for (gap_um, twist_deg, n_e) in
+        [(10.0, 3600.0, 1.7), (3.0, 2700.0, 1.7), (7.0, 3300.0, 1.8), (10.0, 1000.0, 1.7)]
+    {
+        let of = |slices: &str| {
+            let stack = format!(
+                "display.pixel.stack=[{{ kind = \"polariser\", axis_deg = 10, transmittance = 0.45, extinction = 1e-3 }}, \
+                 {{ kind = \"cell\", gap_um = {gap_um}, n_o = 1.5, n_e = {n_e}, rub_deg = 15, twist_deg = {twist_deg}{slices} }}]"
+            );
+            let angles = [
+                "viewer.theta_deg=[0,40]",
+                "viewer.phi_deg=10",
+                "display.pixel.substrate={ n = 0.05, k = 3.6 }",
+            ];
+            let light = [
+                "spectrum.range_nm=[450,650]",
+                "spectrum.step_nm=20",
+                "lighting={ diffuse = 1.0, spectrum = \"E\" }",
+            ];
+            let scenario =
+                scenario("circular-polariser", &[&[&*stack][..], &angles, &light].concat()).unwrap();
+            let seen = run(&scenario.scene).unwrap();
+            let y: Vec<f64> =
+                seen.views.iter().map(|view| view.states.iter().next().unwrap().1.value.Y).collect();
+            (y, scenario.notes.into_iter().filter(|note| note.contains("`slices`")).collect::<Vec<_>>())
+        };
+        let ((own, none), (some, note), (more, _)) = (of(""), of(", slices = 1000"), of(", slices = 2000"));
+        assert!(none.is_empty(), "{none:?}");
+        for ((own, some), more) in own.iter().zip(&some).zip(&more) {
+            let limit = more + (more - some) / 3.0;
+            assert!((own - limit).abs() < 1e-4, "{gap_um} {twist_deg}: {own} {limit}");
+            let Some(stated) = note.first().and_then(|note| note.split("off by ").nth(1)) else { continue };
+            let stated: f64 = stated.split(';').next().unwrap().parse().unwrap();
+            assert!((some - limit).abs() < stated, "{gap_um} {twist_deg}: {some} {limit} {stated}");
+        }
+        assert_eq!(note.len(), 1, "{note:?}");
+    }
+}
+
 /// Uniform light is diffuse light, or a cap of 90 deg: below flat layers, adding computes the pixel at each direction of the former, and looks it
 /// up in the table by inclination and azimuth for the latter. Thick retarders and cells have up to 100 harmonics of the azimuth.
 #[test]

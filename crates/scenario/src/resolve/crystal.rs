@@ -62,8 +62,12 @@ impl Resolver<'_> {
         let substrate = self.material(&pixel.substrate);
         let inactive_reflectance = self.share(&pixel.inactive_reflectance, pixel.inactive_reflectance.origin);
         let parts: Vec<CrystalPart> = parts.into_iter().collect::<Option<Vec<_>>>()?.concat();
-        let slices = parts.iter().flat_map(|part| &part.slices).map(Vec::len).sum();
-        self.limit(&pixel.stack, "slices", slices, MOST_SLICES)?;
+        let slices: usize = parts.iter().flat_map(|part| &part.slices).map(Vec::len).sum();
+        if slices > MOST_SLICES {
+            let wrong = mistake::too_many("slices", slices as f64, MOST_SLICES);
+            self.err(&pixel.stack, wrong.hint("state `slices` of a cell: a note then has the error of Y"));
+            return None;
+        }
         let work = slices * self.grid.len();
         self.limit(&pixel.stack, "slices of all states x wavelengths", work, MOST_CRYSTAL_WORK)?;
         Some(CrystalPixel {
