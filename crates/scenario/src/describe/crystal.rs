@@ -65,7 +65,7 @@ table! {
         /// `wavelength_nm`, `transmittance` and `extinction`, or `wavelength_nm`, `k_transmitted` and
         /// `k_absorbed` (extinction coefficients of the two polarisations).
         file: Option<String>,
-        /// Transmittance for unpolarised light within the film, at most 0.5: that of a datasheet over 0.92,
+        /// Transmittance for unpolarised light within the film, at most (1 + extinction)/2: that of a datasheet over 0.92,
         /// which the faces to air transmit. Default: 0.44.
         transmittance: Option<ShareSpectrum>,
         /// Transmittance of the absorbed polarisation over that of the transmitted one. Default: 1e-4.
