@@ -143,3 +143,16 @@ fn what_is_not_followed_is_refused() {
         assert!(message.contains("depolarisation") && message.contains(expected), "{message}");
     }
 }
+
+/// A described reflection of zero is none.
+#[test]
+fn reflection_of_zero_is_no_reflection() {
+    let with = |reflection: &str| {
+        let diffuser = format!(
+            "display.diffuser={{ model = \"k-correlation\", width = 0.2, transmittance = 0.9, depolarisation = 0.4{reflection} }}"
+        );
+        of(&[&diffuser, "solver.angle_medium=air", "viewer.polariser=s", "viewer.theta_deg=40"])
+    };
+    let zero = ", reflection = { model = \"lambertian\", reflectance = 0.0 }";
+    assert_eq!(with(""), with(zero));
+}

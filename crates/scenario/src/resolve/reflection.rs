@@ -71,6 +71,9 @@ impl Resolver<'_> {
         match &reflection.value {
             Some(_) => {
                 let sides = self.reflections(reflection)?;
+                if !sides.iter().flatten().any(reflects) {
+                    return Some(through.into());
+                }
                 let diffuser = ReflectingDiffuser::new(through, sides);
                 self.unbounded_reflections(path, &diffuser);
                 Some(Ready::Reflecting(Box::new(diffuser)).into())
@@ -235,6 +238,11 @@ impl Resolver<'_> {
             );
         }
     }
+}
+
+/// True if a described reflection is not zero.
+fn reflects(side: &LobeReflection) -> bool {
+    side.scattered().max() > 0.0 || side.mirrored().max() > 0.0
 }
 
 /// True if a diffuser given by its transmission alone does not transmit all light.
