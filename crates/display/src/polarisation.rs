@@ -34,6 +34,9 @@ use crate::scene::{
     self, AngleMedium, Approximation, Method, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
 };
 
+/// Angle between the mirror image of a lamp and a field of view from which on the view sees nothing of it, degrees.
+const BESIDE_DEG: f64 = 0.1;
+
 /// What polarised light needs where the display has a colour filter.
 const NO_FILTER: &str = "a display without a colour filter, or mirrors below flat layers: other polarised light from outside is not followed through one";
 
@@ -106,6 +109,7 @@ impl Asked {
         } else if !(is_whole(scene) || has_particles(scene))
             && self.polariser_deg.is_some_and(is_oblique)
             && self.vibrations.iter().flatten().any(mixes)
+            && self.is_seen_unscattered(scene)
         {
             "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of \
              polarised light depends on their phases, which are not followed"
@@ -113,6 +117,35 @@ impl Asked {
             return Ok(self);
         };
         Err(DisplayError::Polarised { key: self.key, needs: why })
+    }
+
+    /// Returns whether a view may see polarised light that nothing has scattered.
+    fn is_seen_unscattered(&self, scene: &Scene) -> bool {
+        if Meetings::of(scene).is_some() {
+            return true;
+        }
+        if Meetings::within(scene, top_layers(scene)).reflecting == 0 {
+            return false;
+        }
+        let lighting = &scene.lighting;
+        let environment = lighting.environment.iter().flat_map(|one| &one.parts);
+        let unit = |theta_deg: f64, phi_deg: f64| {
+            let ((sine, cosine), phi) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians());
+            [sine * phi.cos(), sine * phi.sin(), cosine]
+        };
+        let is_image_seen = |lamp: &scene::DirectedLight| {
+            let image = unit(lamp.theta_deg, lamp.phi_deg + 180.0);
+            let within_deg = lamp.radius_deg.unwrap_or(0.0) + 0.5 * scene.viewer.field_deg + BESIDE_DEG;
+            scene.viewer.directions().any(|(theta_deg, phi_deg)| {
+                let view = unit(theta_deg, phi_deg);
+                let cosine: f64 = image.iter().zip(view).map(|(a, b)| a * b).sum();
+                cosine >= within_deg.min(180.0).to_radians().cos()
+            })
+        };
+        let mut lamps = lighting.directed.iter().filter(|lamp| lamp.vibration.is_some());
+        environment.into_iter().any(|part| part.vibration.is_some())
+            || scene.viewer.numerical_aperture.is_some()
+            || lamps.any(is_image_seen)
     }
 
     /// Vibrations of the sources of a scene. Along the normal, the plane of incidence is that of the azimuth of a lamp.

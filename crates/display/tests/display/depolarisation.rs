@@ -156,3 +156,42 @@ fn reflection_of_zero_is_no_reflection() {
     let zero = ", reflection = { model = \"lambertian\", reflectance = 0.0 }";
     assert_eq!(with(""), with(zero));
 }
+
+/// A polariser and a lamp between s and p, where nothing but scattered light is seen: what comes in has the fractions of s and p of the lamp,
+/// what leaves those of the polariser, so that X of any angles is bilinear in sin² of both. Where the mirror image of the lamp is seen, their phases matter.
+#[test]
+fn oblique_polarisers_and_lamps_are_computed_where_all_light_is_scattered() {
+    let paper = "display={ layers = [{ kind = \"component\", reflectance = 0.05 }, \
+         { kind = \"coating\", film = [{ material = { n = 1.38 }, thickness_nm = 100 }] }, { kind = \"medium\", index = 1.5 }], \
+         pixel = { model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.7, black = 0.03 } } }";
+    let seen = |polariser_deg: f64, lamp_deg: f64, view_deg: f64, radius: &str| {
+        let lamp = format!(
+            "lighting.directed=[{{ theta_deg = -60, phi_deg = 130, share = 1.0{radius}, polarisation = {{ degree = 1, angle_deg = {lamp_deg} }} }}]"
+        );
+        let (view, polariser) =
+            (format!("viewer.theta_deg={view_deg}"), format!("viewer.polariser={polariser_deg}"));
+        let grid = [
+            "spectrum.range_nm=[500,600]",
+            "spectrum.step_nm=50",
+            "solver.angle_medium=air",
+            "viewer.phi_deg=130",
+            "lighting.diffuse=0",
+        ];
+        let sets = [&[paper, &*lamp, &*view, &*polariser][..], &grid].concat();
+        run(&scenario("reference-pixel", &sets).unwrap().scene).map(|result| {
+            result.views[0].states.get("white").unwrap().value.reflectance_factor.clone().unwrap()[1]
+        })
+    };
+    let square = |angle_deg: f64| angle_deg.to_radians().sin().powi(2);
+    let corner = |polariser_deg: f64, lamp_deg: f64| seen(polariser_deg, lamp_deg, 30.0, "").unwrap();
+    let [[pp, ps], [sp, ss]] =
+        [0.0, 90.0].map(|polariser_deg| [0.0, 90.0].map(|lamp_deg| corner(polariser_deg, lamp_deg)));
+    let (s_out, s_in) = (square(30.0), square(25.0));
+    let expected = (1.0 - s_out) * ((1.0 - s_in) * pp + s_in * ps) + s_out * ((1.0 - s_in) * sp + s_in * ss);
+    let found = corner(30.0, 25.0);
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    assert!((pp / ss - 1.0).abs() > 0.05, "{pp} {ss}");
+    // The image of the lamp: in the view, and of a disc that reaches into it.
+    assert!(seen(30.0, 25.0, 60.0, "").is_err() && seen(30.0, 25.0, 55.0, ", radius_deg = 6").is_err());
+    assert!(seen(90.0, 25.0, 60.0, "").is_ok());
+}
