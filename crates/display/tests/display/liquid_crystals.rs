@@ -219,6 +219,35 @@ fn cells_that_turn_by_up_to_3600_deg_have_slices_enough() {
     }
 }
 
+/// A birefringence of ten, and a twist between surfaces that have no azimuth, are noted; usual cells are not.
+#[test]
+fn impossible_birefringence_and_a_twist_between_vertical_surfaces_are_noted() {
+    let constants = "K11_pN = 11, K22_pN = 6, K33_pN = 17, epsilon_parallel = 3.6, epsilon_perpendicular = 7.8, states = { white = { volts = 3 } }";
+    let cell = |more: &str| {
+        format!("{{ kind = \"cell\", gap_um = 5, n_o = 1.48, n_e = 1.58, {more}, {constants} }}")
+    };
+    let thick = "{ kind = \"retarder\", axis_deg = 20, retardance_nm = 10000, thickness_um = 1 }".to_owned();
+    for (layer, expected) in [
+        (thick.clone(), "birefringence of 10"),
+        (thick.replace("thickness_um = 1 ", "thickness_um = 40 "), ""),
+        ("{ kind = \"cell\", gap_um = 5, n_o = 1.5, n_e = 2.5 }".to_owned(), "birefringence of 1"),
+        (cell("pretilt_deg = 90, twist_deg = 60"), "has no meaning"),
+        (cell("pretilt_deg = 2, pretilt_bottom_deg = 90, twist_deg = 60"), "has no meaning"),
+        (cell("pretilt_deg = 90"), ""),
+        (cell("pretilt_deg = 88, twist_deg = 60"), ""),
+    ] {
+        let stack = format!("display.pixel.stack=[{{ kind = \"polariser\", axis_deg = 10 }}, {layer}]");
+        let found = scenario("circular-polariser", &[&stack, "spectrum.step_nm=1"]).unwrap();
+        let all: Vec<_> = found
+            .notes
+            .iter()
+            .filter(|note| note.contains("birefringence") || note.contains("no meaning"))
+            .collect();
+        assert_eq!(all.len(), usize::from(!expected.is_empty()), "{layer}: {all:?}");
+        assert!(all.iter().all(|note| note.contains(expected)), "{layer}: {all:?}");
+    }
+}
+
 /// Uniform light is diffuse light, or a cap of 90 deg: below flat layers, adding computes the pixel at each direction of the former, and looks it
 /// up in the table by inclination and azimuth for the latter. Thick retarders and cells have up to 100 harmonics of the azimuth.
 #[test]

@@ -33,6 +33,9 @@ const MOST_CRYSTAL_WORK: usize = 1_000_000;
 /// Thickest liquid crystal, um.
 const MOST_CRYSTAL_UM: f64 = 100.0;
 
+/// Largest birefringence without a note.
+const MOST_BIREFRINGENCE: f64 = 0.6;
+
 /// Wavelength at which fringes are compared with the grid, nm.
 const FRINGES_AT_NM: f64 = 550.0;
 
@@ -266,6 +269,7 @@ impl Resolver<'_> {
             ordinary.iter().enumerate().map(|(k, n)| n + share * more(k)).collect()
         };
         // x along the axis, y across it, z: n_x - nz (n_x - n_y).
+        self.note_birefringence("retardance_nm over the thickness", more(0).abs());
         let indices = [with(1.0), ordinary.clone(), with(1.0 - retarder.nz.0)];
         let least = indices.iter().flatten().map(|n| n.re).fold(f64::INFINITY, f64::min);
         if least < 1.0 {
@@ -282,6 +286,20 @@ impl Resolver<'_> {
     }
 
     /// Refuses a layer that is thicker than any liquid crystal, and notes fringes that the grid of wavelengths does not resolve.
+    /// Notes a birefringence that no film and no liquid crystal has.
+    fn note_birefringence(&mut self, what: &str, birefringence: f64) {
+        if birefringence <= MOST_BIREFRINGENCE {
+            return;
+        }
+        let note = format!(
+            "a birefringence of {} ({what}) is more than films and liquid crystals have (up to {MOST_BIREFRINGENCE}): check the units",
+            tidy((1e3 * birefringence).round() / 1e3)
+        );
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
     fn check_fringes(
         &mut self,
         key: &str,
@@ -324,6 +342,7 @@ impl Resolver<'_> {
         let birefringence =
             ordinary.iter().zip(&extraordinary).map(|(o, e)| (e.re - o.re).abs()).fold(0.0, f64::max);
         let of_retardance = SLICES_OF_HELIX * (birefringence * thickness_nm / RETARDANCE_AT_NM).sqrt();
+        self.note_birefringence("n_e - n_o", birefringence);
         let of_thickness = layer.pitch_nm.0 / (2.0 * MOST_SLICE_NM);
         let enough = of_retardance.min(MOST_SLICES_OF_HELIX).max(of_thickness).max(FEWEST_SLICES_OF_HELIX);
         // Azimuths, of which there are powers of two, that are multiples of the angle of a slice have their scattering matrices in common.

@@ -11,7 +11,7 @@ use papilio_spectra::{LIQUID_CRYSTAL_RANGE_NM, liquid_crystal, liquid_crystal_na
 use super::{Director, MOST_CRYSTAL_UM, MOST_SLICE_NM, RETARDANCE_AT_NM};
 use crate::describe::crystal as describe;
 use crate::describe::crystal::CellState;
-use crate::mistake;
+use crate::mistake::{self, tidy};
 use crate::origin::Origin;
 use crate::read::{Item, Spanned};
 use crate::resolve::Resolver;
@@ -129,6 +129,7 @@ impl Resolver<'_> {
             ));
         }
         let [ordinary, extraordinary] = indices?;
+        self.note_birefringence("n_e - n_o", birefringence);
         self.check_fringes("gap_um", &cell.gap_um, &extraordinary)?;
         Some(CrystalPart {
             indices: [extraordinary, ordinary.clone(), ordinary],
@@ -177,6 +178,20 @@ impl Resolver<'_> {
                 return None;
             };
             let bottom = cell.pretilt_bottom_deg.value.as_ref().map_or(tilt_deg, |tilt| tilt.0);
+            let is_vertical = |tilt_deg: &f64| (tilt_deg.abs() - 90.0).abs() < VERTICAL_DEG;
+            if let Some(tilt_deg) =
+                [tilt_deg, bottom].into_iter().find(is_vertical).filter(|_| twist_deg != 0.0)
+            {
+                let note = format!(
+                    "`twist_deg` = {} has no meaning for `volts`, because a surface that anchors the director vertically (pretilt {} deg) has no azimuth: \
+                     expected `twist_deg` = 0, or pretilts such as 89 deg",
+                    tidy(twist_deg),
+                    tidy(tilt_deg)
+                );
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
+            }
             let turns = cell.pitch_um.value.as_ref().map_or(0.0, |pitch| cell.gap_um.0 / pitch.0);
             let natural_twist_deg = 360.0 * turns;
             let driven = DrivenCell {
