@@ -30,7 +30,7 @@ const NARROWEST_BELOW_FRONTS: f64 = 2e-6;
 
 /// Error: light from too many directions on a diffuser above a pixel that depends on azimuth, by adding.
 const MANY_DIRECTIONS: DisplayError = DisplayError::Azimuth {
-    what: "adding in light from so many directions below this diffuser",
+    what: "adding below this diffuser in light from so many directions",
     key: "solver.method",
     hint: "\"monte-carlo\" does, by `papilio run` and `sweep`; adding does below a diffuser without `regular_fraction`, with a wider lobe, or in beams alone",
 };

@@ -351,6 +351,11 @@ fn computations_without_azimuth_are_refused() {
     let twice = format!("{HAZE}, {{ kind = \"medium\", index = 1.5 }}, {hazy}");
     let adding = run(&display(&twice, &["solver.method=adding"]));
     assert!(matches!(adding, Err(DisplayError::Azimuth { key: "solver.method", .. })), "{adding:?}");
+    // One film on the glass: what is refused is the light.
+    let clear = HAZE.replace("width = 0.06", "width = 0.06, regular_fraction = 0.1");
+    let cap = "lighting={environment=[{model=\"cap\",theta_deg=30,phi_deg=70,to_deg=25,share=1}]}";
+    let lit = run(&display(&format!("{clear}, {FACE}"), &["solver.method=adding", cap]));
+    assert!(lit.unwrap_err().to_string().contains("in light from so many directions"));
     let map = papilio_display::cone(&display(&twice, &[]), ConeGrid::default(), &control);
     assert!(matches!(map, Err(DisplayError::Azimuth { .. })), "{map:?}");
 }
