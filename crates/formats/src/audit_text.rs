@@ -396,6 +396,11 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
                 "the inclinations of the viewer are too far apart for the lobe at {at} deg: measure them in steps of {} deg",
                 finer(&grid.theta_o_deg)
             ),
+            Geometry::Tree(_) => format!(
+                "a display spreads the cells of a tensor tree over rings about the normal, which moves up to {} of the light: a grid about the \
+                 specular direction keeps it in place",
+                percent(audit.incidences.iter().map(|i| errors(i)[0]).fold(0.0, f64::max))
+            ),
             _ => format!("the radial grid is too coarse for the lobe at {at} deg: measure with a finer radial grid"),
         });
     }

@@ -159,6 +159,9 @@ fn tree_is_read_in_the_order_of_its_braces() {
     let f = |azimuth| part.evaluate(0, light, Direction::new(40.0, 20.0 + azimuth));
     assert_eq!((f(170.0), f(190.0)), (Some(3.0), Some(7.0)));
     assert_eq!((f(-10.0), f(10.0)), (Some(5.0), Some(1.0)));
+    // Its cells are far wider than the rings of a display.
+    let text = papilio_formats::audit_text("x", &measurement, &[papilio_goniometry::Audit::of(part, 0)]);
+    assert!(text.contains("spreads the cells of a tensor tree") && !text.contains("radial grid"), "{text}");
 }
 
 /// Trees of different depths are joined into one that is as fine as each of them.
