@@ -51,6 +51,7 @@
 //!         seed: 0,
 //!     },
 //!     unresolved: vec![],
+//!     within_step: None,
 //! };
 //! let control = Control { threads: None, progress: &|_| {}, stop: &AtomicBool::new(false) };
 //! let result = run(&scene, &control)?;
@@ -111,6 +112,7 @@ mod surface;
 mod target;
 mod threads;
 mod viewers;
+mod within_step;
 
 pub use ambient_light::{AmbientLight, AmbientSource, ambient_light, ambient_light_by_direction};
 pub use brdf::{BrdfGrid, BrdfTable};

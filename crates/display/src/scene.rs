@@ -29,6 +29,7 @@ pub use self::place::{Filter, FilterState, Length, Matrix, SubPixelWindow};
 pub use crate::result::ReferenceWhite;
 pub use crate::surface::{Correlation, Goniometer, Surface, SurfaceFace, SurfaceModel, face_by_rays};
 pub use crate::target::{Metric, MetricSource, Target, Tolerance};
+pub use crate::within_step::WithinStep;
 
 /// Complete description of one computation.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +49,8 @@ pub struct Scene {
     /// Errors of X, Y and Z of each state, relative to a perfect white, because films or liquid crystals below flat layers
     /// change within a step of the grid; empty: none.
     pub unresolved: Vec<[f64; 3]>,
+    /// What tabulated spectra of the display change within a step of the grid; `None`: nothing.
+    pub within_step: Option<Arc<WithinStep>>,
 }
 
 /// Colorimetric settings.

@@ -92,6 +92,8 @@ struct Weights {
     corrections: Option<Corrections>,
     /// X, Y and Z from the light at every nanometre, `[wavelength]`, relative to Y of the perfect white in such light.
     every_nm: [Vec<f64>; 3],
+    /// X, Y and Z of reflectances at every nanometre, in the same unit, if the display changes within a step.
+    at_each_nm: Option<[Vec<f64>; 3]>,
 }
 
 impl<'a> Meter<'a> {
@@ -113,8 +115,9 @@ impl<'a> Meter<'a> {
         let corrections = if has_lines { lines::QUANTITIES } else { 0 };
         // X, Y and Z are sums over integer wavelengths: a finer step changes nothing.
         let every_nm = grid.step_nm() > 1.0;
-        let layout =
-            Layout { states: setup.states.len(), bins: grid.len(), terms, by_light, corrections, every_nm };
+        let states = setup.states.len();
+        let within_step = setup.scene.within_step.as_ref().map_or(0, |within| within.estimates());
+        let layout = Layout { states, bins: grid.len(), terms, by_light, corrections, every_nm, within_step };
         let mut white_xyz = setup.seen_by().xyz(&white);
         for corrections in reference.iter().filter_map(|light| Corrections::new(setup, light)) {
             let [x, y, z, ..] = corrections.of(std::iter::repeat_n(1.0, grid.len()));
@@ -142,7 +145,9 @@ impl<'a> Meter<'a> {
             let every_nm =
                 at_every_nm(light).map(|own| own.iter().map(|own| own / white_at_every_nm).collect());
             let (share, corrections) = (light.illuminance_lx / total, Corrections::new(setup, light));
-            Weights { xyz, radiance, share, term: light.term, within, corrections, every_nm }
+            let relative = |own: &Vec<f64>| own.iter().map(|own| own / white_at_every_nm).collect();
+            let at_each_nm = light.at_each_nm.as_ref().map(|own| own.each_ref().map(relative));
+            Weights { xyz, radiance, share, term: light.term, within, corrections, every_nm, at_each_nm }
         };
         let lights: Vec<Weights> = setup.lights.iter().map(weights).collect();
         let mut luminous = vec![0.0; terms];
@@ -230,7 +235,9 @@ impl<'a> Meter<'a> {
         let at_every_nm = <[f64; 3]>::try_from(&sample.0[self.layout.every_nm(state)]).ok()?;
         let on_grid = over(self.xyz(state, sample), self.white_xyz.y).to_array();
         let within = self.setup.scene.unresolved.get(state).copied().unwrap_or_default();
-        Some(std::array::from_fn(|k| (at_every_nm[k] - on_grid[k]).abs() + within[k]))
+        let tables = sample.0[self.layout.within_step(state)].chunks_exact(3);
+        let of_tables = |k: usize| tables.clone().map(|xyz| xyz[k].abs()).fold(0.0, f64::max);
+        Some(std::array::from_fn(|k| (at_every_nm[k] - on_grid[k]).abs() + within[k] + of_tables(k)))
     }
 
     /// Returns the weights over wavelength of a reflectance factor under each light in X, Y and Z, and in the
@@ -308,6 +315,11 @@ impl<'a> Meter<'a> {
                 for (slot, weights) in layout.every_nm(state).zip(&light.every_nm) {
                     let both = base.iter().zip(&rho.front).zip(weights);
                     sample[slot] += both.map(|((base, front), weight)| (base + front) * weight).sum::<f64>();
+                }
+                if let Some((within, weights)) =
+                    self.setup.scene.within_step.as_ref().zip(light.at_each_nm.as_ref())
+                {
+                    within.add((base, &rho.front), state, weights, &mut sample[layout.within_step(state)]);
                 }
                 let luminous = self.luminous[light.term];
                 if luminous > 0.0 {

@@ -66,6 +66,8 @@ pub(crate) struct Layout {
     pub(crate) corrections: usize,
     /// Whether X, Y and Z are also computed from the lights at every nanometre.
     pub(crate) every_nm: bool,
+    /// Number of estimates of what the display changes within a step.
+    pub(crate) within_step: usize,
 }
 
 impl Layout {
@@ -80,7 +82,7 @@ impl Layout {
     }
 
     fn of_every_nm(&self) -> usize {
-        if self.every_nm { 3 } else { 0 }
+        if self.every_nm { 3 + 3 * self.within_step } else { 0 }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -137,8 +139,13 @@ impl Layout {
 
     /// X, Y and Z from the lights at every nanometre, relative to Y of a perfect white; empty unless they are computed.
     pub(crate) fn every_nm(&self, state: usize) -> Range<usize> {
-        let end = (state + 1) * self.per_state();
-        end - self.of_every_nm()..end
+        let start = (state + 1) * self.per_state() - self.of_every_nm();
+        start..start + if self.every_nm { 3 } else { 0 }
+    }
+
+    /// Estimates of what the display changes within a step, X, Y and Z of each.
+    pub(crate) fn within_step(&self, state: usize) -> Range<usize> {
+        self.every_nm(state).end..(state + 1) * self.per_state()
     }
 }
 
@@ -151,7 +158,8 @@ mod tests {
         for (by_light, corrections, every_nm) in
             [(false, 0, false), (true, 0, true), (true, 4, true), (false, 4, false)]
         {
-            let layout = Layout { states: 3, bins: 5, terms: 2, by_light, corrections, every_nm };
+            let layout =
+                Layout { states: 3, bins: 5, terms: 2, by_light, corrections, every_nm, within_step: 2 };
             let mut used = vec![0; layout.len()];
             for state in 0..3 {
                 let spectra = [layout.radiance(state), layout.factor(state)];
@@ -162,6 +170,7 @@ mod tests {
                     layout.ledger(state),
                     layout.corrections(state),
                     layout.every_nm(state),
+                    layout.within_step(state),
                 ];
                 let all = spectra.into_iter().chain(alone).chain(numbers).flatten();
                 all.chain([layout.front_term(state)]).for_each(|k| used[k] += 1);

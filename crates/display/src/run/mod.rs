@@ -396,7 +396,8 @@ impl Run<'_> {
     /// of linear interpolation is proportional to the square of the step.
     fn coarse_step(&self, views: &[View]) -> Option<String> {
         // What changes within a step had its warning when the scene was made.
-        if self.scene.unresolved.iter().flatten().any(|error| *error > NEGLIGIBLE_ERROR) {
+        let is_known = self.scene.within_step.as_ref().is_some_and(|within| within.is_known());
+        if is_known || self.scene.unresolved.iter().flatten().any(|error| *error > NEGLIGIBLE_ERROR) {
             return None;
         }
         let errors = views.iter().flat_map(|view| {

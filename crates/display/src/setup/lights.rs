@@ -1,7 +1,7 @@
 //! Lights of a scene in the plane of the display: spectra, levels, and weights of reflectances in colours.
 
 use papilio_colour::{Between, Observer};
-use papilio_spectra::{EveryNm, LightSpectrum, Spectrum};
+use papilio_spectra::{EveryNm, Grid, LightSpectrum, Spectrum};
 
 use crate::DisplayError;
 use crate::scene::{self, Scene};
@@ -20,6 +20,8 @@ pub(crate) struct Light {
     /// Weights of reflectances at the wavelengths of the grid in X, Y and Z, in the unit of its irradiance times nm, from the light at
     /// every nanometre and reflectances [`between`] the wavelengths; `None` if it is known only on the grid.
     pub(crate) every_nm: Option<[Vec<f64>; 3]>,
+    /// Weights of reflectances at every nanometre in X, Y and Z, in the same unit, if the display changes within a step.
+    pub(crate) at_each_nm: Option<[Vec<f64>; 3]>,
 }
 
 /// Weights with which reflectances at the wavelengths of the grid contribute to what is seen of a light with
@@ -56,9 +58,24 @@ impl Light {
         scene: &Scene,
         observer: &Observer,
     ) -> Result<Self, DisplayError> {
+        let at_each_nm = |grid: &Grid, values: &[f64]| -> Result<[Vec<f64>; 3], DisplayError> {
+            let seen = Observer::of(scene.metrics.observer, grid)?;
+            let product = |bar: &[f64]| bar.iter().zip(values).map(|(bar, e)| bar * e).collect();
+            Ok(seen.weights().map(product))
+        };
+        let needs_each_nm = scene.within_step.is_some();
         let Some(own) = spectrum.every_nm() else {
             let irradiance = observer.scale_to_illuminance(spectrum, illuminance_lx)?;
-            return Ok(Self { irradiance, illuminance_lx, term, lines: None, every_nm: None });
+            let at_each_nm = match scene.grid.integers() {
+                Ok(every_nm) if needs_each_nm => {
+                    let between =
+                        |nm: f64| scene.grid.between(nm).map(|(bin, share)| share * irradiance[bin]).sum();
+                    let values: Vec<f64> = every_nm.wavelengths_nm().into_iter().map(between).collect();
+                    Some(at_each_nm(&every_nm, &values)?)
+                }
+                _ => None,
+            };
+            return Ok(Self { irradiance, illuminance_lx, term, lines: None, every_nm: None, at_each_nm });
         };
         let luminous = Observer::new(&own.grid)?;
         let values = luminous.scale_to_illuminance(&own.values, illuminance_lx)?;
@@ -75,7 +92,11 @@ impl Light {
         };
         let every_nm =
             (scene.grid.step_nm() > 1.0).then(|| seen.of_light(&light, &scene.grid, between(scene)));
-        Ok(Self { irradiance, illuminance_lx, term, lines, every_nm })
+        let at_each_nm = match needs_each_nm {
+            true => Some(at_each_nm(&light.grid, &light.values)?),
+            false => None,
+        };
+        Ok(Self { irradiance, illuminance_lx, term, lines, every_nm, at_each_nm })
     }
 }
 

@@ -49,3 +49,4 @@ mod spread_within;
 mod sub_pixels;
 mod table_azimuths;
 mod viewing_cone;
+mod within_step;

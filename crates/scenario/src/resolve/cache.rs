@@ -17,6 +17,7 @@ struct CachedValue<T> {
     notes: Vec<String>,
     maps: Vec<MapLight>,
     tables: Vec<(String, Tabulated)>,
+    is_tabulated: bool,
 }
 
 impl Resolver<'_> {
@@ -41,6 +42,7 @@ impl Resolver<'_> {
             self.notes.extend_from_slice(&made.notes);
             self.maps.extend_from_slice(&made.maps);
             self.tables.extend_from_slice(&made.tables);
+            self.is_tabulated |= made.is_tabulated;
             self.inputs.extend(entry.inputs);
             return Some(made.value.clone());
         }
@@ -48,6 +50,7 @@ impl Resolver<'_> {
         let inputs = std::mem::take(&mut self.inputs);
         let (warnings, notes) = (self.warnings.len(), self.notes.len());
         let (maps, tables) = (self.maps.len(), self.tables.len());
+        let before = std::mem::take(&mut self.is_tabulated);
         let value = make(self);
         let read = std::mem::replace(&mut self.inputs, inputs);
         if let Some(value) = value.as_ref().filter(|_| self.errors.is_empty()) {
@@ -57,6 +60,7 @@ impl Resolver<'_> {
                 notes: self.notes[notes..].to_vec(),
                 maps: self.maps[maps..].to_vec(),
                 tables: self.tables[tables..].to_vec(),
+                is_tabulated: self.is_tabulated,
             };
             let is_map = !made.maps.is_empty();
             memo.insert(Entry {
@@ -67,6 +71,7 @@ impl Resolver<'_> {
             });
         }
         self.inputs.extend(read);
+        self.is_tabulated |= before;
         value
     }
 }

@@ -174,6 +174,7 @@ impl Resolver<'_> {
             let origin = polariser.file.origin;
             match self.data(name, origin, read_polariser)? {
                 PolariserTable::Extinction(of) => {
+                    self.is_tabulated = true;
                     let [along, across] = of.map(|k| k.on(&self.grid).map(|k| k.to_vec()));
                     return Some([self.sampled(name, origin, along)?, self.sampled(name, origin, across)?]);
                 }
@@ -268,8 +269,8 @@ impl Resolver<'_> {
         let with = |share: f64| -> Vec<Complex64> {
             ordinary.iter().enumerate().map(|(k, n)| n + share * more(k)).collect()
         };
-        // x along the axis, y across it, z: n_x - nz (n_x - n_y).
         self.note_birefringence("retardance_nm over the thickness", more(0).abs());
+        // x along the axis, y across it, z: n_x - nz (n_x - n_y).
         let indices = [with(1.0), ordinary.clone(), with(1.0 - retarder.nz.0)];
         let least = indices.iter().flatten().map(|n| n.re).fold(f64::INFINITY, f64::min);
         if least < 1.0 {
@@ -285,7 +286,6 @@ impl Resolver<'_> {
         Some(uniform(indices, (axis_deg?, tilt_deg), thickness_nm, false))
     }
 
-    /// Refuses a layer that is thicker than any liquid crystal, and notes fringes that the grid of wavelengths does not resolve.
     /// Notes a birefringence that no film and no liquid crystal has.
     fn note_birefringence(&mut self, what: &str, birefringence: f64) {
         if birefringence <= MOST_BIREFRINGENCE {
@@ -300,6 +300,7 @@ impl Resolver<'_> {
         }
     }
 
+    /// Refuses a layer that is thicker than any liquid crystal, and notes fringes that the grid of wavelengths does not resolve.
     fn check_fringes(
         &mut self,
         key: &str,
@@ -341,8 +342,8 @@ impl Resolver<'_> {
         self.check_fringes("thickness_um", &layer.thickness_um, &extraordinary)?;
         let birefringence =
             ordinary.iter().zip(&extraordinary).map(|(o, e)| (e.re - o.re).abs()).fold(0.0, f64::max);
-        let of_retardance = SLICES_OF_HELIX * (birefringence * thickness_nm / RETARDANCE_AT_NM).sqrt();
         self.note_birefringence("n_e - n_o", birefringence);
+        let of_retardance = SLICES_OF_HELIX * (birefringence * thickness_nm / RETARDANCE_AT_NM).sqrt();
         let of_thickness = layer.pitch_nm.0 / (2.0 * MOST_SLICE_NM);
         let enough = of_retardance.min(MOST_SLICES_OF_HELIX).max(of_thickness).max(FEWEST_SLICES_OF_HELIX);
         // Azimuths, of which there are powers of two, that are multiples of the angle of a slice have their scattering matrices in common.

@@ -120,6 +120,7 @@ impl Resolver<'_> {
     /// Returns the values of a table of fractions on the grid. Whether the grid is fine enough is examined when the light is known.
     pub(super) fn fractions(&mut self, name: &str, origin: Origin, table: &Tabulated) -> Option<Spectrum> {
         let values = self.sampled(name, origin, table.on(&self.grid))?;
+        self.is_tabulated = true;
         if !sampling::has_all_points(&self.grid, table) {
             self.tables.push((name.to_owned(), table.clone()));
         }
@@ -148,6 +149,7 @@ impl Resolver<'_> {
     /// Reads n + ik from a file, which must be valid in the range of the grid.
     fn index_file(&mut self, name: &str, origin: Origin) -> Option<Dispersion> {
         let kept = self.open(name, origin)?;
+        self.is_tabulated = true;
         match read_index_within(kept.file(), (self.grid.start_nm(), self.grid.stop_nm())) {
             Ok(read) => {
                 for note in read.warnings.iter().map(|note| format!("{name}: {note}")) {

@@ -43,7 +43,7 @@ use std::sync::Arc;
 
 use papilio_diagnostics::{Diagnostic, Remedy, short_numbers};
 use papilio_display::image::SourceImage;
-use papilio_display::scene::{self, Scene, Strategy};
+use papilio_display::scene::{self, Scene, Strategy, WithinStep};
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_spectra::{Grid, Tabulated};
 
@@ -110,6 +110,8 @@ struct Resolver<'a> {
     maps: Vec<maps::MapLight>,
     /// Tables of reflectances and transmittances with points between the wavelengths of the grid, by the names of their files.
     tables: Vec<(String, Tabulated)>,
+    /// Whether a spectrum of the display is a table.
+    is_tabulated: bool,
     /// Lobes that may scatter more light than they receive.
     unbounded: Vec<unbounded::UnboundedLobe>,
     /// Whether a diffuser that loses light has no described reflection.
@@ -198,6 +200,7 @@ impl<'a> Resolver<'a> {
             needs_light: true,
             maps: Vec::new(),
             tables: Vec::new(),
+            is_tabulated: false,
             unbounded: Vec::new(),
             surfaces: Vec::new(),
             known_faces: Vec::new(),
@@ -268,8 +271,8 @@ impl Resolver<'_> {
             );
             return None;
         }
-        let unresolved = Vec::new();
-        let mut scene = Scene { grid: self.grid, display, lighting, viewer, metrics, solver, unresolved };
+        let (grid, unresolved, within_step) = (self.grid, Vec::new(), None);
+        let mut scene = Scene { grid, display, lighting, viewer, metrics, solver, unresolved, within_step };
         choose_method(file, &mut scene);
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
@@ -279,7 +282,8 @@ impl Resolver<'_> {
         self.note_no_reflection();
         self.note_scattering(&scene);
         if let Some(judge) = Judge::new(&scene) {
-            self.warn_of_tables(&judge);
+            let is_known = self.warn_of_tables(&judge);
+            scene.within_step = self.within_step(file, &scene, is_known);
             scene.unresolved = self.warn_of_fringes(&scene, &judge);
         }
         self.warn_of_unbounded(&scene);
@@ -323,6 +327,15 @@ impl Resolver<'_> {
             }
         }
         metrics
+    }
+
+    /// Compares the spectra of the display with those at every nanometre, if any is a table. `is_known`: it has a warning.
+    fn within_step(&self, file: &File, scene: &Scene, is_known: bool) -> Option<Arc<WithinStep>> {
+        let every_nm =
+            self.grid.integers().ok().filter(|_| self.is_tabulated && self.grid.step_nm() > 1.0)?;
+        let mut finer = Resolver { grid: every_nm, ..Resolver::new(file, self.library, self.sources).ok()? };
+        let display = finer.display(file).filter(|_| finer.errors.is_empty())?;
+        WithinStep::new(scene, &display, is_known).map(Arc::new)
     }
 
     /// Checks that the state of a target is one of the display's.

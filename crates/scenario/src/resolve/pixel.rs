@@ -73,6 +73,7 @@ impl Resolver<'_> {
         let size = table.states.len().saturating_mul(directions).saturating_mul(self.grid.len());
         self.limit(&pixel.file, "numbers (states x angles x wavelengths)", size, MOST_NUMBERS)?;
         self.limit(&pixel.file, "states", table.states.len(), 256)?;
+        self.is_tabulated = true;
         let mut states = Vec::with_capacity(table.states.len());
         for (i, (name, _)) in table.states.iter().enumerate() {
             let spectra = table.spectra(i, &self.grid);

@@ -218,8 +218,8 @@ pub(super) fn has_all_points(grid: &Grid, table: &Tabulated) -> bool {
 
 impl Resolver<'_> {
     /// Warns of the tables of reflectances and transmittances that are not linear between the wavelengths of the grid; of several
-    /// columns of a file, of the one with the largest error.
-    pub(super) fn warn_of_tables(&mut self, judge: &Judge) {
+    /// columns of a file, of the one with the largest error. Returns whether there is a warning.
+    pub(super) fn warn_of_tables(&mut self, judge: &Judge) -> bool {
         let step_nm = judge.grid.step_nm();
         let mut worst: Vec<(&str, &Tabulated, f64)> = Vec::new();
         for (name, table) in &self.tables {
@@ -244,6 +244,8 @@ impl Resolver<'_> {
             )
         };
         let warnings: Vec<String> = worst.into_iter().map(warning).collect();
+        let is_any = !warnings.is_empty();
         self.warnings.extend(warnings);
+        is_any
     }
 }
