@@ -203,7 +203,7 @@ impl Setup {
             what: "a BSDF of the display",
             key: "display.pixel",
             hint: "its files are those of isotropic displays, with the azimuth between light and viewer alone; `papilio run` computes the viewers \
-                   and lamps of a scenario, each at its phi_deg, and maps over all viewers; `papilio pixel` writes the pixel alone, by azimuth",
+                   and lamps of a scenario, each at its phi_deg, and all viewers with --cone; `papilio pixel --phi-step 5` writes the pixel alone",
         })
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, Remedy};
 
 use crate::error::FormatError;
 use crate::file::DataFile;
@@ -43,6 +43,7 @@ pub(crate) fn check_output(path: &Path) -> Result<(), FormatError> {
         return Ok(());
     }
     let wrong = Diagnostic::new("this file is an input of the command, and no result is written over it");
-    let hint = "choose another folder for results, or give the input another name";
-    Err(FormatError::whole(&path.display().to_string(), wrong.hint(hint)))
+    let hint = "give the input another name, or choose another folder for results";
+    let remedy = Remedy::OnCommandLine("--out FOLDER".to_owned());
+    Err(FormatError::whole(&path.display().to_string(), wrong.hint(hint).remedy(remedy)))
 }

@@ -168,7 +168,11 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
             option("rooms", ValueKind::Names, "Also in the light of these presets"),
             choice("relative-to", &["white", "display"], "What is white in seen.png"),
             choice("space", &["srgb", "display-p3"], "Colour space of seen.png"),
-            option("device-colours", ValueKind::Flag, "The usual codes of states in states.png and frame.bmp"),
+            option(
+                "device-colours",
+                ValueKind::Flag,
+                "The usual codes of states in states.png and frame.bmp",
+            ),
             option("frame", ValueKind::Names, "Forms of the frame: bin, bmp, h"),
             choice("packed", &["1", "2", "4", "8", "planes"], "Bits of a code in frame.bin"),
             choice("rotate", &["0", "90", "180", "270"], "Rotate the frame clockwise, degrees"),

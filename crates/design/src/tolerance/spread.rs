@@ -49,8 +49,8 @@ impl MetricDistribution {
             let [sum, .., count] = sums.without(left_out);
             centre + sum / count
         });
-        let values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
-        let deviation = with_tails(deviation(&sums), mean.value, &values);
+        let known: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
+        let deviation = with_tails(deviation(&sums), mean.value, &known);
         Some(Self {
             undefined: values.len() - sorted.len(),
             mean,

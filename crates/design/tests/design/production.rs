@@ -211,7 +211,9 @@ fn deviations_of_long_tails_agree_with_standard_errors() {
     let lognormal = |x: &[f64]| ((x[0] + x[1] + x[2]) / 3_f64.sqrt()).exp();
     let student = |x: &[f64]| x[0] / (x[1..].iter().map(|x| x * x).sum::<f64>() / 5.0).sqrt();
     let exponential = |x: &[f64]| 0.5 * (x[0] * x[0] + x[1] * x[1]);
-    let cases: [(&str, usize, &dyn Fn(&[f64]) -> f64, f64); 3] = [
+    // Name, number of keys, metric, and its standard deviation.
+    type Case<'a> = (&'a str, usize, &'a dyn Fn(&[f64]) -> f64, f64);
+    let cases: [Case<'_>; 3] = [
         ("lognormal", 3, &lognormal, (e * (e - 1.0)).sqrt()),
         ("Student", 6, &student, (5.0_f64 / 3.0).sqrt()),
         ("exponential", 2, &exponential, 1.0),

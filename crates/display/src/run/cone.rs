@@ -143,9 +143,9 @@ struct Survey<'a> {
 struct Rows {
     views: Vec<Vec<ConeView>>,
     /// Relative errors of each state's Y.
-    errors: Vec<Vec<Vec<f64>>>,
+    errors: OfStates<f64>,
     /// Whether each state's Y is too faint for adding.
-    unresolved: Vec<Vec<Vec<bool>>>,
+    unresolved: OfStates<bool>,
     nodes: u64,
     /// False if a colour is not a number.
     is_finite: bool,
@@ -153,6 +153,9 @@ struct Rows {
 
 /// Tristimulus values of each direction and state.
 type Colours = Vec<Vec<Xyz>>;
+
+/// Of each inclination, azimuth and state.
+type OfStates<T> = Vec<Vec<Vec<T>>>;
 
 /// Tristimulus values of all directions at one level.
 struct Level {
@@ -281,7 +284,7 @@ impl Survey<'_> {
     fn rows(
         &self,
         (rows, nodes): (&[Colours], u64),
-        (reference, errors, unresolved): (Vec<Xyz>, Vec<Vec<Vec<f64>>>, Vec<Vec<Vec<bool>>>),
+        (reference, errors, unresolved): (Vec<Xyz>, OfStates<f64>, OfStates<bool>),
         pool: Option<&ThreadPool>,
     ) -> Rows {
         let is_finite = rows.iter().flatten().flatten().all(|xyz| xyz.x.is_finite() && xyz.y.is_finite());
@@ -302,7 +305,7 @@ impl Survey<'_> {
     }
 
     /// Computes the relative error of each state's Y, `[theta][phi][state]`, at the finer of two levels.
-    fn row_errors(&self, [finer, coarser]: [&Level; 2], times: f64) -> Vec<Vec<Vec<f64>>> {
+    fn row_errors(&self, [finer, coarser]: [&Level; 2], times: f64) -> OfStates<f64> {
         let y = |colours: &Vec<Xyz>| -> Vec<f64> { colours.iter().map(|xyz| xyz.y).collect() };
         let all: Vec<Vec<f64>> = finer.rows.iter().flatten().map(y).collect();
         let most = largest_of_states(all.iter().map(Vec::as_slice), self.run.setup.states.len());
@@ -516,11 +519,7 @@ fn masked(colours: &[Xyz], unresolved: &[bool]) -> Vec<Xyz> {
 
 /// Returns which states adding does not resolve, `[theta][phi][state]` and of the reference direction, given the
 /// finer of two levels and the relative errors of its rows.
-fn unresolved_rows(
-    finer: &Level,
-    coarser: &Level,
-    errors: &[Vec<Vec<f64>>],
-) -> (Vec<Vec<Vec<bool>>>, Vec<bool>) {
+fn unresolved_rows(finer: &Level, coarser: &Level, errors: &[Vec<Vec<f64>>]) -> (OfStates<bool>, Vec<bool>) {
     let y = |colours: &Vec<Xyz>| -> Vec<f64> { colours.iter().map(|xyz| xyz.y).collect() };
     let all: Vec<Vec<f64>> = finer.rows.iter().flatten().map(y).collect();
     let most = largest_of_states(all.iter().map(Vec::as_slice), finer.reference.len());

@@ -48,7 +48,7 @@ impl Series {
         let at_mm = at_mm - self.at_mm[axis];
         let step = if at_mm == 0.0 { 0.5 } else { f64::from(at_mm > 0.0) };
         let (sin, cos) = (2.0 * PI * at_mm * self.step_per_mm).sin_cos();
-        // The mean of the period has been spread evenly over it.
+        // The mean of the period has been spread uniformly over it.
         let even = 0.5 + at_mm * self.step_per_mm;
         let states = self.sharp.iter().zip(&self.rest);
         let mut sums: Vec<f64> = states.map(|(sharp, rest)| sharp * step + rest[0] * even).collect();

@@ -158,7 +158,7 @@ fn fronts_above_a_lobe_agree_within_stated_errors() {
     }
 }
 
-/// One front stands for several that are apart: how far away it is, is within the stated errors.
+/// One front stands for several that are apart: how far away it is, is the largest part of the stated error.
 #[test]
 fn fronts_that_are_apart_have_the_error_of_their_distance() {
     let text = |gap_mm: f64| {

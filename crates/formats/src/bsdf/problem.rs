@@ -1,6 +1,6 @@
 //! Errors of BSDF files.
 
-use papilio_diagnostics::{Diagnostic, number};
+use papilio_diagnostics::{Diagnostic, Remedy, number};
 use papilio_goniometry::{Overlap, ScatterMode};
 
 /// The errors of a BSDF file, in addition to those of any data file.
@@ -105,9 +105,10 @@ impl BsdfProblem {
         match self {
             Self::Unknown => Diagnostic::new("this is not a BSDF file in a supported format").hint(format!(
                 "the supported formats are {}; CSV has the columns theta_i,phi_i,theta_o,phi_o[,wavelength],value, a scan at normal \
-                 incidence theta_deg,btdf (or brdf; with other names, state the part, for example front-transmission, by `part`)",
+                 incidence theta_deg,btdf (or brdf; with other names, state the part)",
                 super::bsdf_formats()
-            )),
+            ))
+            .remedy(Remedy::OnCommandLine("--part front-transmission".to_owned())),
             Self::Empty => Diagnostic::new("this file has no data").expected("a BSDF file: rows of measured values"),
             Self::NoPart { wanted, found } => {
                 let found: Vec<&str> = found.iter().map(|way| way.name()).collect();

@@ -12,7 +12,7 @@ pub(super) fn weights(wavelength_nm: &[f64]) -> Result<[Vec<f64>; 3], String> {
     };
     let step = (last - first) / (wavelength_nm.len().max(2) - 1) as f64;
     let grid = Grid::new(*first, *last, step).map_err(|error| error.to_string())?;
-    let own = grid.integers().unwrap_or_else(|_| grid.clone());
+    let own = grid.integers().unwrap_or(grid);
     let values = illuminant("D65", &own).map_err(|error| error.to_string())?;
     let observer = Observer::of(Standard::Cie1931, &own).map_err(|error| error.to_string())?;
     let products = observer.of_light(&EveryNm { grid: own, values }, &grid, Between::Linear);

@@ -45,7 +45,7 @@ impl Grid {
             return Err(wrong
                 .expected("azimuths in equal steps over 180 deg, or no column of azimuth")
                 .hint(
-                    "without the column, the reflectance is the same at all azimuths; `papilio pixel` writes several, in equal steps",
+                    "without the column, the reflectance is the same at all azimuths; `papilio pixel --phi-step 5` writes several",
                 ));
         }
         if count > MOST_AZIMUTHS {

@@ -5,7 +5,7 @@
 //! in a pixel, so that light that meets the same sub-pixel again counts as such.
 //!
 //! **How.** The chains of directions are those of `meetings.rs`; each is seen from [`PLACES`] places of a pixel and of strokes.
-//! Light of pixels that are mixed evenly is known exactly: sums over chains are scaled to that of the brighter state, and what a figure
+//! Light of pixels that are mixed uniformly is known exactly: sums over chains are scaled to that of the brighter state, and what a figure
 //! has of each state adds what its own mixed page differs by.
 //!
 //! **Error.** The coarse level and a third result have other chains, and fewer; the larger difference is the error.

@@ -14,7 +14,7 @@ use crate::setup::Setup;
 pub(super) struct Part {
     pub(super) sub_pixel: usize,
     pub(super) surface: usize,
-    /// Fraction of the sub-pixel's area, mixed evenly over its windows.
+    /// Fraction of the sub-pixel's area, mixed uniformly over its windows.
     pub(super) fraction: f64,
 }
 

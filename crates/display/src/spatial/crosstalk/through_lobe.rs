@@ -1,5 +1,7 @@
 //! What a view sees of cells of Lambertian pixels through a diffuser.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 use papilio_fourier::Plane;
 use papilio_transport::Source;
@@ -10,6 +12,11 @@ use super::super::lobe::{self, LobeResponse};
 use super::super::response::Lit;
 use super::places::NEIGHBOURS;
 use crate::DisplayError;
+
+/// Fraction of the light at either end of an axis that is taken for light from far away.
+const FAINT: f64 = 1e-6;
+/// Most bins whose light is computed at once: it takes memory.
+const MOST_AT_ONCE: usize = 4096;
 
 /// A lobe over a figure.
 pub(super) struct ThroughLobe {
@@ -63,6 +70,21 @@ impl ThroughLobe {
         weights
     }
 
+    /// The bins between these edges that have all light but a faint part at either end.
+    fn window(&self, axis: usize, edges: &[f64]) -> Range<usize> {
+        let strips = self.once.strips(axis, edges).swap_remove(self.state);
+        let inside = &strips[1..strips.len() - 1];
+        let faint = |lights: &mut dyn Iterator<Item = &f64>| {
+            let sums = lights.scan(0.0, |sum, light| {
+                *sum += light;
+                Some(*sum)
+            });
+            sums.take_while(|sum| *sum <= FAINT * self.all).count()
+        };
+        let (before, after) = (faint(&mut inside.iter()), faint(&mut inside.iter().rev()));
+        before..(inside.len() - after).max(before)
+    }
+
     /// Light between a cell and the one from which it comes, by the cells between them; the sum is 1. Light is a mean over both cells:
     /// each half of a cell has the parts of the next two.
     fn kernel(&self, pitch_mm: f64, cells: Cells) -> Vec<f64> {
@@ -91,12 +113,20 @@ impl ThroughLobe {
                 parts(0, half).iter().for_each(|(cell, part)| kernel[*cell] += part * light);
             }
         } else {
-            let lights = self.once.cells(&edges[0], &edges[1]).swap_remove(self.state);
-            for (number, light) in lights.iter().enumerate() {
-                let [x, y] = [parts(0, number % halves[0]), parts(1, number / halves[0])];
-                for (row, of_row) in y {
-                    x.iter()
-                        .for_each(|(column, part)| kernel[row * columns + column] += of_row * part * light);
+            let [across, along] = [0, 1].map(|axis| self.window(axis, &edges[axis]));
+            let edges_x = &edges[0][across.start..=across.end];
+            let step = (MOST_AT_ONCE / across.len().max(1)).max(1);
+            for first in along.clone().step_by(step) {
+                let edges_y = &edges[1][first..=(first + step).min(along.end)];
+                let lights = self.once.cells(edges_x, edges_y).swap_remove(self.state);
+                for (number, light) in lights.iter().enumerate() {
+                    let x = parts(0, across.start + number % across.len());
+                    let y = parts(1, first + number / across.len());
+                    for (row, of_row) in y {
+                        x.iter().for_each(|(column, part)| {
+                            kernel[row * columns + column] += of_row * part * light
+                        });
+                    }
                 }
             }
         }
