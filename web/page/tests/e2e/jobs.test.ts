@@ -24,7 +24,8 @@ const ended = (page: Page, command: string, timeout = 120_000) =>
 /** Opens the results of the newest job of a command. */
 const openJob = (page: Page, command: string) => page.locator(`[data-job="${command}"] .fold`).first().click();
 
-const option = (page: Page, name: string) => page.locator(".job-form label", { has: page.locator("code", { hasText: name }) });
+const option = (page: Page, name: string) =>
+  page.locator(".job-form label", { has: page.locator("code").getByText(name, { exact: true }) });
 
 test("BRDF equals papilio brdf, and goes on while no page is open", { timeout: 240_000 }, async () => {
   const page = await on.visit();
