@@ -17,8 +17,8 @@ use papilio_spectra::{Grid, Spectrum};
 use crate::DisplayError;
 use crate::pixel::scan;
 use crate::scene::{
-    Coating, Depolarisation, Display, FilmLayer, FilterState, Interface, Layer, Length, Medium, Pixel, Ready,
-    Scene, Thickness, UniformKind,
+    Coating, CrystalPixel, Depolarisation, Display, FilmLayer, FilterState, Interface, Layer, Length, Medium,
+    Pixel, Ready, Scene, Thickness, UniformKind,
 };
 
 /// Length of an oblique pass of a medium over that along the normal.
@@ -367,9 +367,9 @@ fn states(
         Pixel::Table(pixel) => pixel.states.iter().map(|state| state.reflectance[angle].to_vec()).collect(),
         Pixel::Scattering(pixel) => pixel.states.iter().map(|(_, kernel)| kernel.factor.to_vec()).collect(),
         Pixel::Film(_) | Pixel::Crystal(_) if !is_fine => coarse()?,
-        pixel @ (Pixel::Film(_) | Pixel::Crystal(_)) => {
+        pixel @ Pixel::Film(_) => {
             let of = |pixel: &Pixel| along_normal(scene, pixel, grids.every_nm, finer.index_above_pixel());
-            let (own, without) = (of(pixel)?, of(&in_lines(&display.pixel, grids))?);
+            let (own, without) = (of(pixel)?, of(&film_in_lines(&display.pixel, grids))?);
             let add = |((line, own), without): ((Vec<f64>, Vec<f64>), Vec<f64>)| -> Vec<f64> {
                 let both = line.into_iter().zip(own).zip(without);
                 both.map(|((line, own), without)| (line + own - without).clamp(0.0, 1.0)).collect()
@@ -377,7 +377,77 @@ fn states(
             let lines = coarse()?.into_iter().map(|state| grids.lines(&state));
             lines.zip(own).zip(without).map(add).collect()
         }
+        Pixel::Crystal(pixel) => crystal_states(scene, pixel, grids, coarse()?)?,
     })
+}
+
+/// Returns the reflectance of each state of a liquid crystal at every nanometre, from that on the grid. A reflectance is taken for
+/// exponential in its spectra, which is exact for absorption: a change of each at the wavelengths of the grid tells how much.
+fn crystal_states(
+    scene: &Scene,
+    finer: &CrystalPixel,
+    grids: &Grids<'_>,
+    coarse: Vec<Vec<f64>>,
+) -> Result<Vec<Vec<f64>>, DisplayError> {
+    let display = &scene.display;
+    let Pixel::Crystal(pixel) = &display.pixel else { return Ok(Vec::new()) };
+    // Spectra that are off their lines alike, by their numbers.
+    let mut alike: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
+    for (number, (own, on_grid)) in spectra(finer).into_iter().zip(spectra(pixel)).enumerate() {
+        let off: Vec<f64> = own.iter().zip(grids.lines(&on_grid)).map(|(own, line)| own - line).collect();
+        match alike.iter_mut().find(|(known, _)| *known == off) {
+            Some((_, numbers)) => numbers.push(number),
+            None => alike.push((off, vec![number])),
+        }
+    }
+    let mut exponents = vec![vec![0.0; grids.between.len()]; coarse.len()];
+    for (off, numbers) in alike {
+        let most = off.iter().fold(0.0_f64, |most, off| most.max(off.abs()));
+        if most <= ROUNDING {
+            continue;
+        }
+        let changed = Pixel::Crystal(with_more(pixel, &numbers, most));
+        let changed = along_normal(scene, &changed, grids.coarse, display.index_above_pixel())?;
+        for ((exponents, changed), coarse) in exponents.iter_mut().zip(changed).zip(&coarse) {
+            let slope = |(changed, coarse): (f64, &f64)| match changed > 0.0 && *coarse > 0.0 {
+                true => (changed / coarse).ln() / most,
+                false => 0.0,
+            };
+            let slopes: Vec<f64> = changed.into_iter().zip(coarse).map(slope).collect();
+            let each = exponents.iter_mut().zip(grids.lines(&slopes)).zip(&off);
+            each.for_each(|((exponent, slope), off)| *exponent += slope * off);
+        }
+    }
+    let of_state = |(coarse, exponents): (Vec<f64>, Vec<f64>)| {
+        let lines = grids.lines(&coarse).into_iter().zip(exponents);
+        lines.map(|(line, exponent)| (line * exponent.exp()).clamp(0.0, 1.0)).collect()
+    };
+    Ok(coarse.into_iter().zip(exponents).map(of_state).collect())
+}
+
+/// All spectra of a liquid crystal: n and k of the layers along their axes, and of the substrate; the inactive area.
+fn spectra(pixel: &CrystalPixel) -> Vec<Vec<f64>> {
+    let indices = pixel.parts.iter().flat_map(|part| &part.indices).chain([&pixel.substrate]);
+    let both = indices.flat_map(|index| {
+        [index.iter().map(|index| index.re).collect(), index.iter().map(|index| index.im).collect()]
+    });
+    both.chain([pixel.inactive_reflectance.to_vec()]).collect()
+}
+
+/// The same liquid crystal with more of some of its [`spectra`].
+fn with_more(pixel: &CrystalPixel, numbers: &[usize], more: f64) -> CrystalPixel {
+    let mut pixel = pixel.clone();
+    let at = |number: usize| if numbers.contains(&number) { more } else { 0.0 };
+    let indices = pixel.parts.iter_mut().flat_map(|part| &mut part.indices).chain([&mut pixel.substrate]);
+    let mut count = 0;
+    for index in indices {
+        let more = Complex64::new(at(count), at(count + 1));
+        index.iter_mut().for_each(|index| *index += more);
+        count += 2;
+    }
+    let inactive = pixel.inactive_reflectance.iter().map(|value| value + at(count));
+    pixel.inactive_reflectance = inactive.collect::<Vec<f64>>().into();
+    pixel
 }
 
 /// Returns the reflectance of each state of a pixel on this grid, along the normal, below a medium of this index.
@@ -414,23 +484,13 @@ fn filtered(states: &[Vec<f64>], display: &Display, passage: Passage) -> Vec<Vec
     filter.states.iter().map(of_state).collect()
 }
 
-/// The same pixel with materials on straight lines between the wavelengths of the grid.
-fn in_lines(pixel: &Pixel, grids: &Grids<'_>) -> Pixel {
+/// The same pixel of films with materials on straight lines between the wavelengths of the grid.
+fn film_in_lines(pixel: &Pixel, grids: &Grids<'_>) -> Pixel {
     let mut pixel = pixel.clone();
-    match &mut pixel {
-        Pixel::Film(film) => {
-            film.layers.iter_mut().for_each(|layer| layer.index = grids.complex_lines(&layer.index));
-            film.substrate = grids.complex_lines(&film.substrate);
-            film.inactive_reflectance = grids.lines(&film.inactive_reflectance).into();
-        }
-        Pixel::Crystal(crystal) => {
-            crystal.parts.iter_mut().for_each(|part| {
-                part.indices = part.indices.each_ref().map(|index| grids.complex_lines(index));
-            });
-            crystal.substrate = grids.complex_lines(&crystal.substrate);
-            crystal.inactive_reflectance = grids.lines(&crystal.inactive_reflectance).into();
-        }
-        Pixel::Table(_) | Pixel::Uniform(_) | Pixel::Scattering(_) => {}
+    if let Pixel::Film(film) = &mut pixel {
+        film.layers.iter_mut().for_each(|layer| layer.index = grids.complex_lines(&layer.index));
+        film.substrate = grids.complex_lines(&film.substrate);
+        film.inactive_reflectance = grids.lines(&film.inactive_reflectance).into();
     }
     pixel
 }
