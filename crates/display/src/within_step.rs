@@ -391,17 +391,17 @@ fn crystal_states(
 ) -> Result<Vec<Vec<f64>>, DisplayError> {
     let display = &scene.display;
     let Pixel::Crystal(pixel) = &display.pixel else { return Ok(Vec::new()) };
-    // Spectra that are off their lines alike, by their numbers.
-    let mut alike: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
+    // Deviations from the lines between the wavelengths of the grid, each with the numbers of the spectra that have it.
+    let mut deviations: Vec<(Vec<f64>, Vec<usize>)> = Vec::new();
     for (number, (own, on_grid)) in spectra(finer).into_iter().zip(spectra(pixel)).enumerate() {
         let off: Vec<f64> = own.iter().zip(grids.lines(&on_grid)).map(|(own, line)| own - line).collect();
-        match alike.iter_mut().find(|(known, _)| *known == off) {
+        match deviations.iter_mut().find(|(known, _)| *known == off) {
             Some((_, numbers)) => numbers.push(number),
-            None => alike.push((off, vec![number])),
+            None => deviations.push((off, vec![number])),
         }
     }
     let mut exponents = vec![vec![0.0; grids.between.len()]; coarse.len()];
-    for (off, numbers) in alike {
+    for (off, numbers) in deviations {
         let most = off.iter().fold(0.0_f64, |most, off| most.max(off.abs()));
         if most <= ROUNDING {
             continue;

@@ -539,7 +539,7 @@ fn too_faint(unresolved: &[bool]) -> Option<String> {
     (count > 0).then(|| {
         format!(
             "{count} of {} values of Y are too faint for adding beside the brightest of their state: they are left out, with what depends on \
-             them; --solver monte-carlo computes single views",
+             them; solver.method = \"monte-carlo\" computes single views",
             unresolved.len()
         )
     })
