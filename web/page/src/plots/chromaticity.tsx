@@ -89,7 +89,11 @@ function Wavelength({ nm }: { nm: number }) {
   );
 }
 
-function Axes() {
+/** From this factor of the text on, wavelengths beside the axis have no labels: they would cover its numbers. */
+const WIDE = 1.3;
+const BESIDE_AXIS_NM = [490, 500];
+
+function Axes({ size }: { size: number }) {
   const [us, vs] = [
     [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
     [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
@@ -119,7 +123,7 @@ function Axes() {
       <text class="scale" x={6} y={y(0.35) + 4}>
         v′
       </text>
-      {NAMED_NM.map((nm) => (
+      {NAMED_NM.filter((nm) => size < WIDE || !BESIDE_AXIS_NM.includes(nm)).map((nm) => (
         <Wavelength key={nm} nm={nm} />
       ))}
     </g>
@@ -253,7 +257,7 @@ export function Chromaticity() {
             role="img"
             aria-label="u prime v prime diagram with the display's gamut; the numbers are in the table"
           >
-            <Axes />
+            <Axes size={size.value} />
             <path class="locus" d={OUTLINE} />
             <path class="srgb" d={path(SRGB)} />
             <path class="ebu" d={path(EBU)} />

@@ -235,7 +235,7 @@ for (const [width, height] of [
         .map((e) => e.outerHTML.slice(0, 100)),
     );
     assert.deepEqual(cut, []);
-    // The diagrams are within their figures, and their words can be read.
+    // The diagrams are within their figures, and their words can be read: numbers do not cover each other.
     await tool(page, "chromaticity");
     await settled(page);
     const diagrams = await page.evaluate(() =>
@@ -243,11 +243,24 @@ for (const [width, height] of [
         const [outer, inner] = [figure, figure.querySelector(".canvas")!].map((e) => e.getBoundingClientRect());
         const words = [...figure.querySelectorAll("text")].map((text) => text.getBoundingClientRect().height);
         const isIn = inner!.right <= outer!.right + 1 && inner!.bottom <= outer!.bottom + 1 && inner!.left >= outer!.left - 1;
-        return outer!.width > 0 ? [{ isIn, smallest: Math.min(...words) }] : [];
+        const numbers = [...figure.querySelectorAll("text.scale")].map((text) => {
+          const { left, right, top, height } = text.getBoundingClientRect();
+          return { text: text.textContent, left, right, top, height };
+        });
+        return outer!.width > 0 ? [{ isIn, smallest: Math.min(...words), numbers }] : [];
       }),
     );
     assert.ok(diagrams.length > 0);
-    for (const { isIn, smallest } of diagrams) assert.ok(isIn && smallest >= 9, JSON.stringify(diagrams));
+    for (const { isIn, smallest, numbers } of diagrams) {
+      assert.ok(isIn && smallest >= 9, JSON.stringify({ isIn, smallest }));
+      for (const [k, one] of numbers.entries())
+        for (const other of numbers.slice(k + 1)) {
+          // Digits fill half of the height of their boxes.
+          const isInRow = Math.abs(one.top - other.top) < 0.5 * Math.min(one.height, other.height);
+          const isCovered = isInRow && one.left < other.right - 1 && other.left < one.right - 1;
+          assert.ok(!isCovered, `${one.text} and ${other.text}`);
+        }
+    }
   });
 }
 
