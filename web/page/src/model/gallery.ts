@@ -1,4 +1,6 @@
-// The examples in groups: by kind of display, and by question.
+// The examples in groups: by kind of display, and by question; and the colours of their states.
+
+import PATCHES from "./patches.json";
 
 export type Icon = "film" | "inks" | "face" | "lamp" | "cell" | "sheet" | "eye" | "search" | "meter" | "grid";
 
@@ -30,3 +32,6 @@ export function galleryOf(names: readonly string[]): readonly Group[] {
     examples: [...group.examples.filter((name) => names.includes(name)), ...(i === GROUPS.length - 1 ? others : [])],
   })).filter(({ examples }) => examples.length > 0);
 }
+
+/** Returns the colours of an example's states in its first view, as the page shows them; none for an unknown one. */
+export const patchesOf = (example: string): readonly string[] => (PATCHES as Readonly<Record<string, readonly string[]>>)[example] ?? [];

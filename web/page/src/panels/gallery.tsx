@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 
 import { list, named, post, Refused } from "../api/client.ts";
 import type { Named, New } from "../api/types.ts";
-import { galleryOf, type Icon } from "../model/gallery.ts";
+import { galleryOf, type Icon, patchesOf } from "../model/gallery.ts";
 import { matches } from "../model/metrics.ts";
 import { newKind } from "../state/choices.ts";
 import { opening } from "../state/design.ts";
@@ -53,6 +53,18 @@ export async function openExample(name: string): Promise<void> {
 
 const plain = (summary: string): string => summary.replace(/[`*]/g, "");
 
+/** The colours of an example's states in its light, on the white of a perfect diffuser. */
+function Thumbnail({ colours }: { colours: readonly string[] }) {
+  if (colours.length === 0) return null;
+  return (
+    <span class="thumbnail" aria-hidden="true">
+      {colours.map((colour, i) => (
+        <i key={i} ref={(e) => e?.style.setProperty("background-color", colour)} />
+      ))}
+    </span>
+  );
+}
+
 export function Gallery() {
   const search = useSignal("");
   const all = new Map(EXAMPLES.value.map(({ name, summary }) => [name, summary]));
@@ -90,6 +102,7 @@ export function Gallery() {
             {examples.map((example) => (
               <li key={example}>
                 <button type="button" data-example={example} onClick={() => void openExample(example)}>
+                  <Thumbnail colours={patchesOf(example)} />
                   <b>{nameOf(example)}</b>
                   <small>{plain(all.get(example) ?? "")}</small>
                 </button>

@@ -7,9 +7,11 @@ import { after, before, test } from "node:test";
 
 import type { Page } from "playwright-core";
 
+import PATCHES_OF from "../../src/model/patches.json";
 import { TOOLS } from "../../src/model/tools.ts";
-import { changed, example, figure, itemsOf, saved, settled, stage, type Stage, tool, type } from "./stage.ts";
+import { changed, example, examples, figure, itemsOf, patches, saved, settled, stage, type Stage, tool, type } from "./stage.ts";
 
+const PATCHES: Readonly<Record<string, readonly string[]>> = PATCHES_OF;
 let on: Stage;
 before(async () => (on = await stage()));
 after(() => on.close());
@@ -264,19 +266,19 @@ for (const [width, height] of [
   });
 }
 
-test("every example opens with a result or a message", async () => {
+test("every example opens with a result or a message, and has the colours of its thumbnail", async () => {
   const page = await on.visit();
-  await tool(page, "examples");
-  const names = await page
-    .locator("[data-example]")
-    .evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["example"]!));
+  const names = await examples(page);
   assert.ok(names.length > 60, String(names.length));
+  assert.deepEqual(Object.keys(PATCHES).sort(), [...names].sort());
+  const bytes = (colour: string): number[] => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
   for (const name of names) {
     await example(page, name);
-    await page.waitForTimeout(100);
-    await page.waitForFunction(() => document.querySelector('.picture[aria-busy="false"]') !== null, undefined, {
-      timeout: 60_000,
-    });
+    const [shown, kept] = [await patches(page), PATCHES[name]!];
+    assert.equal(shown.length, kept.length, name);
+    // Colours by Monte Carlo differ between versions of the program.
+    const differences = shown.flatMap((colour, i) => bytes(colour).map((byte, channel) => Math.abs(byte - bytes(kept[i]!)[channel]!)));
+    assert.ok(Math.max(0, ...differences) <= 4, `${name}: ${shown.join(" ")}, in the gallery ${kept.join(" ")} (npm run thumbnails)`);
   }
   assert.deepEqual(
     on.complaints.filter((words) => !/status of 4\d\d/.test(words)),

@@ -184,6 +184,28 @@ export async function example(page: Page, name: string): Promise<void> {
   if (before && before !== "examples") await tool(page, before);
 }
 
+/** Returns the names of the examples in the gallery. */
+export async function examples(page: Page): Promise<readonly string[]> {
+  await tool(page, "examples");
+  const all = page.locator("[data-example]");
+  return all.evaluateAll((all) => all.map((one) => (one as HTMLElement).dataset["example"]!));
+}
+
+/** Returns the colours of the states as the page shows them, when they are exact; none where there is no result. */
+export async function patches(page: Page): Promise<readonly string[]> {
+  await settled(page);
+  const isExact = (): boolean =>
+    document.querySelector('.picture[aria-busy="false"]') !== null && document.querySelector('.age-mark[data-age="first"], .age-mark[data-age="before"]') === null;
+  await page.waitForFunction(isExact, undefined, { timeout: 60_000 });
+  const swatches = page.locator(".patches .swatch");
+  return swatches.evaluateAll((all) =>
+    all.map((one) => {
+      const parts = getComputedStyle(one).backgroundColor.match(/\d+/g)!;
+      return `#${parts.slice(0, 3).map((part) => Number(part).toString(16).padStart(2, "0")).join("")}`;
+    }),
+  );
+}
+
 /** Returns a number of the summary as it is shown. */
 export const figure = (page: Page, name: string): Promise<string> =>
   page.locator(`[data-figure="${name}"] b`).innerText();
