@@ -47,12 +47,11 @@ impl Prepared {
         self.answer(scene, Accuracy::Exact, control)
     }
 
-    /// Computes a first answer by adding: from two or three coarse levels of discretisation, with the
-    /// difference of the last two as its error, whatever the target of the scene (`is_final` of its solver is
-    /// false). A following [`run`](Self::run) of the same scene has the same result as without it.
+    /// Computes a first answer, whatever the target of the scene (`is_final` of its solver is false): by adding, from two or three coarse
+    /// levels of discretisation, with the difference of the last two as its error; by Monte Carlo, from the first round of paths, with
+    /// standard errors. A following [`run`](Self::run) of the same scene has the same result as without it.
     ///
-    /// Where the exact answer takes little work (estimated from counts), and for scenes that are not solved
-    /// by adding to a relative error, it is the exact one.
+    /// Where the exact answer takes little work (estimated from counts), it is the exact one; so is that below a colour filter by adding.
     ///
     /// # Errors
     /// As for [`run`](Self::run).

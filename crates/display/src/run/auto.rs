@@ -115,8 +115,9 @@ fn is_for_monte_carlo(error: &DisplayError) -> bool {
 
 /// Returns whether adding takes so little work that its exact answer needs no first answer.
 pub(crate) fn is_quick(setup: &Setup) -> bool {
-    let Stop::RelativeError { target, .. } = setup.scene.solver.stop else { return false };
-    adding(setup, target).is_ok_and(|seconds| seconds <= QUICK_S)
+    let solver = &setup.scene.solver;
+    let Stop::RelativeError { target, .. } = solver.stop else { return false };
+    solver.method != Method::MonteCarlo && adding(setup, target).is_ok_and(|seconds| seconds <= QUICK_S)
 }
 
 /// Chooses the solver of a run; there is no pilot run if adding takes less work.

@@ -18,15 +18,15 @@ use crate::spatial::walk::Placed;
 const MOST_PATHS: u64 = 1 << 26;
 
 /// Runs a scene with a filter; `auto` is by paths where adding does not compute it.
-pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
+pub(super) fn run(run: &Run<'_>, run_by_paths: &Run<'_>) -> Result<RunResult, DisplayError> {
     let method = run.scene.solver.method;
     let counts_paths = !matches!(run.scene.solver.stop, Stop::RelativeError { .. });
     if method == Method::MonteCarlo || method == Method::Auto && counts_paths {
-        return by_paths(run);
+        return by_paths(run_by_paths);
     }
     let filtered = match Filtered::new(run.setup, run.control) {
         Err(DisplayError::PlacesByPaths { what, .. }) if method == Method::Auto => {
-            let mut result = by_paths(run)?;
+            let mut result = by_paths(run_by_paths)?;
             let reason = format!("only the Monte Carlo solver computes {what}");
             result.notes.push(format!("`auto` has chosen {}: {reason}", result.solver.method));
             result.solver.chosen_because = Some(reason);
@@ -53,7 +53,7 @@ fn samples(
 
 /// Runs a scene by Monte Carlo with places.
 fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
-    let (setup, solver) = (run.setup, &run.scene.solver);
+    let (setup, solver) = (run.setup, run.solver);
     let placed = Placed::new(setup)?;
     if run.misses_images_of_pixels() {
         return Err(DisplayError::NoPlaces {
@@ -116,7 +116,7 @@ fn by_paths(run: &Run<'_>) -> Result<RunResult, DisplayError> {
         degrees_of_freedom: REPLICATES - 1,
         relative_error_reached: reached,
         target,
-        is_final: true,
+        is_final: run.is_final(),
         interrupted: false,
     };
     Ok(run.result(views, report, &specular, &format!("that would take more than {MOST_PATHS} paths")))

@@ -44,7 +44,7 @@ use crate::notes::notes;
 use crate::polarisation;
 use crate::readability::Reader;
 use crate::result::{self, RunResult, SolverReport, View, XyzError};
-use crate::scene::{Method, Scene, Stop};
+use crate::scene::{Method, Scene, Solver, Stop};
 use crate::setup::{Setup, ViewPoint};
 use crate::{DisplayError, Prepared};
 
@@ -196,15 +196,17 @@ pub(crate) fn run_setup(
 ) -> Result<RunResult, DisplayError> {
     let meter = Meter::new(setup);
     let run = Run { accuracy, ..Run::new(setup, control, &meter) };
+    let solver = walk::solver_of(&run);
+    let run_by_paths = Run { solver: &solver, ..run };
     if setup.scene.display.filter().is_some() {
-        return filtered::run(&run);
+        return filtered::run(&run, &run_by_paths);
     }
     let mut forecast = (setup.scene.solver.method == Method::Auto).then(|| auto::choose(&run)).transpose()?;
     let method = forecast.as_ref().map_or(setup.scene.solver.method, |forecast| forecast.cheaper);
     let mut result = match method {
         Method::MonteCarlo => {
             let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
-            pool.install(|| walk::run(&run))
+            pool.install(|| walk::run(&run_by_paths))
         }
         // Starting threads would cost more than computing a single view.
         Method::Adding | Method::Auto if setup.views.len() == 1 => adding::run(&run, kernels, None),
@@ -219,7 +221,7 @@ pub(crate) fn run_setup(
         && let Some(reason) = auto::instead_of_adding(&run, result.solver.relative_error_reached)?
     {
         let pool = Workers::wanted(workers, control.threads.unwrap_or(0))?;
-        let by_paths = pool.install(|| walk::run(&run))?;
+        let by_paths = pool.install(|| walk::run(&run_by_paths))?;
         if by_paths.solver.interrupted
             || by_paths.solver.relative_error_reached < result.solver.relative_error_reached
         {
@@ -255,8 +257,11 @@ pub(crate) fn prepared_kernels(
 }
 
 /// Input of a solver.
+#[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
     pub(crate) scene: &'a Scene,
+    /// The solver of the scene; of a first answer by Monte Carlo, with few paths.
+    pub(crate) solver: &'a Solver,
     pub(crate) accuracy: Accuracy,
     pub(crate) control: &'a Control<'a>,
     pub(crate) setup: &'a Setup,
@@ -266,11 +271,17 @@ pub(crate) struct Run<'a> {
 impl<'a> Run<'a> {
     /// Input for an exact answer.
     pub(crate) fn new(setup: &'a Setup, control: &'a Control<'a>, meter: &'a Meter<'a>) -> Self {
-        Self { scene: &setup.scene, accuracy: Accuracy::Exact, control, setup, meter }
+        let (scene, accuracy) = (&setup.scene, Accuracy::Exact);
+        Self { scene, solver: &scene.solver, accuracy, control, setup, meter }
     }
 }
 
 impl Run<'_> {
+    /// Whether an answer by paths is the one that the scene demands.
+    fn is_final(&self) -> bool {
+        self.solver.stop == self.scene.solver.stop
+    }
+
     /// Computes the image luminance ratio of each directed source, `[state][light]`.
     fn specular(&self) -> Vec<Vec<f64>> {
         let directed = &self.setup.sources[1..][..self.scene.lighting.directed.len()];

@@ -11,7 +11,7 @@ use papilio_transport::walk::{Replicate, Walk};
 use rayon::prelude::*;
 
 use super::rounds::{Confidence, Round, Rounds, meet, missed, paths_for_a_tenth};
-use super::{Progress, REPLICATES, Run};
+use super::{Accuracy, Progress, REPLICATES, Run};
 use crate::DisplayError;
 use crate::meter::{LeastErrors, Sample, ViewSamples};
 use crate::result::{RunResult, SolverReport, TargetReport};
@@ -52,6 +52,16 @@ pub(super) fn pilot(run: &Run<'_>, view: usize) -> Result<Pilot, DisplayError> {
     Ok(Pilot { paths: work.paths, relative_error: work.relative_error, least: work.least })
 }
 
+/// Returns the solver of a run by paths: a first answer has those of the first round, if the scene demands more.
+pub(super) fn solver_of(run: &Run<'_>) -> Solver {
+    let mut solver = run.solver.clone();
+    let is_of_few = matches!(solver.stop, Stop::Paths(paths) if paths <= FIRST_PATHS);
+    if run.accuracy == Accuracy::First && !is_of_few {
+        solver.stop = Stop::Paths(FIRST_PATHS);
+    }
+    solver
+}
+
 /// Runs a scene on the threads of the current pool.
 pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     let specular = run.specular();
@@ -60,7 +70,7 @@ pub(super) fn run(run: &Run<'_>) -> Result<RunResult, DisplayError> {
     for view in run.setup.views.iter().enumerate() {
         let mut work = Work::new(run, view, &specular, done.paths);
         let confidence = Confidence::in_walk(&work.walk, work.least);
-        interrupted = match meet(&run.scene.solver.stop, MOST_PATHS, confidence, &mut work) {
+        interrupted = match meet(&run.solver.stop, MOST_PATHS, confidence, &mut work) {
             Ok(_) => false,
             Err(DisplayError::Interrupted) => true,
             Err(error) => return Err(error),
@@ -208,12 +218,12 @@ impl Rounds for Work<'_> {
     type Found = ();
 
     fn next(&self, paths: u64, missed: f64) -> u64 {
-        paths_after_next(&self.run.scene.solver, &self.walk, paths, missed)
+        paths_after_next(self.run.solver, &self.walk, paths, missed)
     }
 
     /// Adds a round; one that is stopped is discarded.
     fn round(&mut self, paths: u64) -> Result<Round<()>, DisplayError> {
-        let solver = &self.run.scene.solver;
+        let solver = self.run.solver;
         let each = (paths - self.paths) / REPLICATES;
         let mut replicates = std::mem::take(&mut self.replicates);
         let traced: Result<(), DisplayError> = replicates
@@ -243,7 +253,7 @@ impl Rounds for Work<'_> {
     }
 
     fn report(&self, is_last: bool) {
-        let (share, target) = match self.run.scene.solver.stop {
+        let (share, target) = match self.run.solver.stop {
             Stop::Paths(paths) => ((self.paths as f64 / paths as f64).min(1.0), None),
             // The error falls with the root of the number of paths.
             Stop::RelativeError { target, .. } => {
@@ -304,16 +314,16 @@ impl Done {
             level: None,
             degrees_of_freedom: REPLICATES - 1,
             relative_error_reached: self.relative_error,
-            target: matches!(run.scene.solver.stop, Stop::Target(_)).then_some(TargetReport {
+            target: matches!(run.solver.stop, Stop::Target(_)).then_some(TargetReport {
                 error_over_tolerance: Some(self.missed).filter(|missed| missed.is_finite()),
                 paths_for_a_tenth: self.paths_for_a_tenth,
             }),
-            is_final: true,
+            is_final: run.is_final(),
             interrupted,
         };
         let unreached = format!("that would take more than {MOST_PATHS} paths");
         let mut result = run.result(self.views, solver, specular, &unreached);
-        if let Some((paths, least)) = self.too_few {
+        if let Some((paths, least)) = self.too_few.filter(|_| run.is_final()) {
             result.warnings.push(format!(
                 "{paths} paths per view are too few: some light of this scene is met by only one path in {}, and all \
                  replicates may miss it (expected at least {least} paths); standard errors are set to at \

@@ -98,9 +98,37 @@ fn exact_answer_does_not_depend_on_first_answers() {
     }
 }
 
+/// First answers by paths are of few, with standard errors that contain the difference; also below a colour filter, and with any stopping rule.
 #[test]
-fn scene_for_monte_carlo_has_no_first_answer_and_is_run() {
-    let scene = walked("indoor", &["spectrum.step_nm=40", "solver.relative_error=0.05"]).unwrap().scene;
-    let first = prepared_for(&scene).unwrap().first(&scene, &CONTROL).unwrap();
-    assert!(first.solver.is_final && first.solver.method == "monte-carlo", "{:?}", first.solver);
+fn first_answer_by_paths_is_of_few_of_them() {
+    let rules = ["solver.relative_error=0.005", "solver.paths=65536"];
+    let indoor = |rule| walked("indoor", &["spectrum.step_nm=40", rule]);
+    let filtered = walked("printed-filter", &["spectrum.step_nm=40", "solver.relative_error=0.02"]);
+    for scene in [indoor(rules[0]), indoor(rules[1]), filtered].map(|resolved| resolved.unwrap().scene) {
+        let mut prepared = prepared_for(&scene).unwrap();
+        let first = prepared.first(&scene, &CONTROL).unwrap();
+        let exact = prepared.run(&scene, &CONTROL).unwrap();
+        assert!(!first.solver.is_final && exact.solver.is_final, "{:?}", first.solver);
+        let paths = [&first, &exact].map(|result| result.solver.paths.unwrap());
+        assert!(2 * paths[0] <= paths[1], "{paths:?}");
+        assert!(first.warnings.len() <= exact.warnings.len(), "{:?}", first.warnings);
+        for (of_first, of_exact) in first.views.iter().zip(&exact.views) {
+            for ((name, coarse), (_, fine)) in of_first.states.iter().zip(of_exact.states.iter()) {
+                let error = coarse.standard_error.Y.hypot(fine.standard_error.Y);
+                let away = (coarse.value.Y - fine.value.Y).abs();
+                assert!(coarse.standard_error.Y > fine.standard_error.Y, "{name}");
+                assert!(away < 5.0 * error, "{name}: {away:e}, {error:e}");
+            }
+        }
+    }
+}
+
+/// A scene that demands no more paths has its answer at once.
+#[test]
+fn few_paths_need_no_first_answer() {
+    let scene = walked("indoor", &["spectrum.step_nm=40", "solver.paths=2048"]).unwrap().scene;
+    let mut prepared = prepared_for(&scene).unwrap();
+    let first = prepared.first(&scene, &CONTROL).unwrap();
+    assert!(first.solver.is_final, "{:?}", first.solver);
+    assert!(format!("{first:?}") == format!("{:?}", prepared.run(&scene, &CONTROL).unwrap()));
 }
