@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 
 use divan::{Bencher, black_box};
 use papilio_imaging::halftone::{
-    DiffusionKernel, ErrorDiffusion, Filter, Mask, SearchControl, direct_binary_search, light_to_dark,
-    ordered, ordered_planes,
+    DiffusionKernel, ErrorDiffusion, Filter, Mask, SearchControl, SearchPass, direct_binary_search,
+    light_to_dark, ordered, ordered_planes,
 };
 
 fn main() {
@@ -104,5 +104,28 @@ fn direct_binary_search_of_256_by_256(bencher: Bencher<'_, '_>) {
         let control =
             SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
         direct_binary_search(&wanted, 256, (&palette, metric), &filters, &start, control).unwrap()
+    });
+}
+
+/// The whole page in six states with three passes, from error diffusion, as `papilio image` does by default.
+#[divan::bench(sample_count = 3)]
+fn three_passes_of_a_page(bencher: Bencher<'_, '_>) {
+    let (wanted, palette) = (wanted(), &palette()[..6]);
+    let start = ErrorDiffusion::default().colours(&wanted, COLUMNS, palette).unwrap().states;
+    let metric = [[0.0, 2.0, 0.0], [3.4, -3.4, 0.0], [0.0, 1.9, -1.9]];
+    let filters = [(0.83, 16.0), (1.14, 8.0), (1.53, 8.0)].map(|(sigma, mean): (f64, f64)| {
+        let reach = (3.0 * sigma).ceil() as i32;
+        let bell = |at: i32| (-0.5 * (f64::from(at) / sigma).powi(2)).exp() / sigma / 2.507;
+        let values = (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| bell(x) * bell(y)));
+        Filter::new(2 * reach as usize + 1, values.collect()).unwrap().keeping_means(mean)
+    });
+    bencher.bench_local(|| {
+        let watch = &mut |pass: SearchPass| match pass.pass {
+            3 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        };
+        let control =
+            SearchControl { fixed: &[], few: &[], allowed: &[], threads: 1, stop: &|| false, watch };
+        direct_binary_search(&wanted, COLUMNS, (palette, metric), &filters, &start, control).unwrap()
     });
 }

@@ -9,7 +9,8 @@ use std::ops::Range;
 use pulp::NullaryFnOnce;
 
 use super::correlate::{Correlate, Shown};
-use super::costs::{AREA, Change, Costs, Here, LANES, NEIGHBOURS, Scratch};
+use super::costs::{AREA, Alone, Change, Costs, Here, LANES, Lanes, NEIGHBOURS, Scratch};
+use super::filter::Correlation;
 use crate::in_turn;
 
 /// Columns and rows of the blocks of pixels that are left out while nothing near them changes.
@@ -42,6 +43,7 @@ pub(super) struct Progress {
 /// Rows of a field.
 struct Band<'a, const N: usize> {
     columns: usize,
+    rows: usize,
     margin: usize,
     states: &'a mut [u8],
     /// Whether each pixel keeps its state; empty: none does.
@@ -101,7 +103,12 @@ impl<const N: usize> Field<N> {
         for shift in [0, 2 * quarter] {
             let bands = self.bands(quarter, shift, marks);
             let found = in_turn(threads, bands.into_iter(), |_, band| {
-                pulp::Arch::new().dispatch(Search { band, costs, stop })
+                let arch = pulp::Arch::new();
+                match costs.palette.len() {
+                    ..=4 => arch.dispatch(Search::<N, 4> { band, costs, stop }),
+                    5..=6 => arch.dispatch(Search::<N, 6> { band, costs, stop }),
+                    _ => arch.dispatch(Search::<N, LANES> { band, costs, stop }),
+                }
             });
             for found in found {
                 let Progress { changes, gain } = found?;
@@ -137,6 +144,7 @@ impl<const N: usize> Field<N> {
             let inner = quarter.saturating_sub(left_away)..(3 * quarter - left_away).min(rows);
             bands.push(Band {
                 columns,
+                rows,
                 margin,
                 states: band,
                 fixed,
@@ -152,25 +160,29 @@ impl<const N: usize> Field<N> {
     }
 }
 
-/// The search of a band.
-struct Search<'a, 'b, const N: usize> {
+/// The search of a band, with so many states or less, or more than [`LANES`].
+struct Search<'a, 'b, const N: usize, const STATES: usize> {
     band: Band<'a, N>,
     costs: &'b Costs<N>,
     stop: &'b (dyn Fn() -> bool + Sync),
 }
 
-impl<const N: usize> NullaryFnOnce for Search<'_, '_, N> {
+impl<const N: usize, const STATES: usize> NullaryFnOnce for Search<'_, '_, N, STATES> {
     type Output = Option<Progress>;
 
     #[inline(always)]
     fn call(mut self) -> Option<Progress> {
-        self.band.search(self.costs, self.stop)
+        self.band.search::<STATES>(self.costs, self.stop)
     }
 }
 
 impl<const N: usize> Band<'_, N> {
     #[inline(always)]
-    fn search(&mut self, costs: &Costs<N>, stop: &(dyn Fn() -> bool + Sync)) -> Option<Progress> {
+    fn search<const STATES: usize>(
+        &mut self,
+        costs: &Costs<N>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Progress> {
         let mut progress = Progress::default();
         let mut scratch = Scratch::default();
         let across = self.columns.div_ceil(BLOCK);
@@ -182,19 +194,100 @@ impl<const N: usize> Band<'_, N> {
                 continue;
             }
             let (top, left) = (block / across * BLOCK, block % across * BLOCK);
+            let along = left..(left + BLOCK).min(self.columns);
             for y in top..(top + BLOCK).min(self.inner.end) {
-                for x in left..(left + BLOCK).min(self.columns) {
-                    if self.is_fixed(x, y) {
-                        continue;
+                match &costs.lanes {
+                    Some(lanes) => {
+                        self.search_row::<STATES>((costs, lanes), along.clone(), y, &mut progress);
                     }
-                    let Some((change, gain)) = self.best(costs, x, y, &mut scratch) else { continue };
-                    self.make(costs, x, y, change);
-                    progress.changes += 1;
-                    progress.gain += f64::from(gain);
+                    None => self.search_row_of_many(costs, along.clone(), y, &mut scratch, &mut progress),
                 }
             }
         }
         Some(progress)
+    }
+
+    /// Tries some pixels of a row. From one to the next, three of the five that are looked at stay, unless a change is made.
+    #[inline(always)]
+    fn search_row<const STATES: usize>(
+        &mut self,
+        (costs, lanes): (&Costs<N>, &Lanes<N>),
+        along: Range<usize>,
+        y: usize,
+        progress: &mut Progress,
+    ) {
+        let [row, next] = [self.row(y), self.row(y + 1)];
+        let [mut below, mut right_below, mut right] = [Alone::FIXED; 3];
+        let mut are_known = false;
+        for x in along {
+            let (mut here, mut left_below) = (right, below);
+            below = right_below;
+            if !are_known {
+                here = self.alone(lanes, &row, x);
+                left_below = self.alone(lanes, &next, x.wrapping_sub(1));
+                below = self.alone(lanes, &next, x);
+            }
+            right = self.alone(lanes, &row, x + 1);
+            right_below = self.alone(lanes, &next, x + 1);
+            are_known = true;
+            let neighbours = [right, left_below, below, right_below];
+            if here.is_fixed() {
+                continue;
+            }
+            if let Some((change, gain)) = lanes.best::<STATES>(costs.least, here, neighbours) {
+                self.make(costs, x, y, change);
+                progress.changes += 1;
+                progress.gain += f64::from(gain);
+                are_known = false;
+            }
+        }
+    }
+
+    /// The places of a row.
+    #[inline(always)]
+    fn row(&self, y: usize) -> Row<N> {
+        Row {
+            columns: if y < self.rows { self.columns } else { 0 },
+            first: y * self.columns,
+            correlated: std::array::from_fn(|k| self.place(0, y, k)),
+            area: self.area(0, y),
+        }
+    }
+
+    /// The costs of a pixel alone.
+    #[inline(always)]
+    fn alone(&self, lanes: &Lanes<N>, row: &Row<N>, x: usize) -> Alone {
+        if x >= row.columns || (!self.fixed.is_empty() && self.fixed[row.first + x]) {
+            return Alone::FIXED;
+        }
+        let (at, area) = (row.first + x, row.area + x / AREA);
+        let r = std::array::from_fn(|k| self.correlated[row.correlated[k] + x] + self.areas[area][k]);
+        let is_few = !self.few.is_empty() && self.few[at];
+        lanes.alone(Here { own: self.states[at], r, is_few, area })
+    }
+
+    /// The same of many states.
+    #[inline(always)]
+    fn search_row_of_many(
+        &mut self,
+        costs: &Costs<N>,
+        along: Range<usize>,
+        y: usize,
+        scratch: &mut Scratch,
+        progress: &mut Progress,
+    ) {
+        for x in along {
+            if self.is_fixed(x, y) {
+                continue;
+            }
+            let neighbours = NEIGHBOURS.map(|step| self.neighbour(x, y, step));
+            let Some((change, gain)) = costs.best_of_many(self.at(x, y), neighbours, scratch) else {
+                continue;
+            };
+            self.make(costs, x, y, change);
+            progress.changes += 1;
+            progress.gain += f64::from(gain);
+        }
     }
 
     /// The place of a column in a row of `correlated`.
@@ -225,76 +318,121 @@ impl<const N: usize> Band<'_, N> {
         Here { own: self.states[at], r, is_few: !self.few.is_empty() && self.few[at], area }
     }
 
-    #[inline(always)]
-    fn best(&self, costs: &Costs<N>, x: usize, y: usize, scratch: &mut Scratch) -> Option<(Change, f32)> {
-        let [right, left_below, below, right_below] = NEIGHBOURS;
-        // Without a loop, which would keep them in memory.
-        let neighbours = [
-            self.neighbour(x, y, right),
-            self.neighbour(x, y, left_below),
-            self.neighbour(x, y, below),
-            self.neighbour(x, y, right_below),
-        ];
-        costs.best(self.at(x, y), neighbours, scratch)
-    }
-
     /// A neighbour of a pixel, if it is inside the picture and may change.
     #[inline(always)]
     fn neighbour(&self, x: usize, y: usize, (right, down): (isize, isize)) -> Option<Here<N>> {
         let (x, y) = (x.wrapping_add_signed(right), y.wrapping_add_signed(down));
-        let is_inside = x < self.columns && y < self.states.len() / self.columns;
+        let is_inside = x < self.columns && y < self.rows;
         if is_inside && !self.is_fixed(x, y) { Some(self.at(x, y)) } else { None }
     }
 
+    /// Makes a change, and adds that to the correlated errors.
     #[inline(always)]
     fn make(&mut self, costs: &Costs<N>, x: usize, y: usize, change: Change) {
-        self.show(costs, x, y, change.state);
+        let here = self.show(costs, x, y, change.state);
         if let Some((number, state)) = change.other {
             let (right, down) = NEIGHBOURS[number];
-            self.show(costs, x.wrapping_add_signed(right), y.wrapping_add_signed(down), state);
+            let there = self.show(costs, x.wrapping_add_signed(right), y.wrapping_add_signed(down), state);
+            self.add_all(costs, [here, there]);
+        } else {
+            self.add_all(costs, [here]);
         }
     }
 
-    /// Gives a pixel another state, and adds that to the correlated error.
+    /// Gives a pixel another state, and adds that to the errors of its area.
     #[inline(always)]
-    fn show(&mut self, costs: &Costs<N>, x: usize, y: usize, state: u8) {
-        let columns = self.columns;
-        let rows = self.states.len() / columns;
-        let before = std::mem::replace(&mut self.states[y * columns + x], state);
+    fn show(&mut self, costs: &Costs<N>, x: usize, y: usize, state: u8) -> Shift<N> {
+        let before = std::mem::replace(&mut self.states[y * self.columns + x], state);
         let (shown, before) = (costs.palette[usize::from(state)], costs.palette[usize::from(before)]);
+        let by = std::array::from_fn(|k| shown[k] - before[k]);
         let area = self.area(x, y);
+        for (k, sum) in self.areas[area].iter_mut().enumerate() {
+            *sum += costs.of_areas[k] * by[k];
+        }
+        Shift { x, y, by }
+    }
+
+    /// Adds shifts of a pixel, or of two neighbours, to the correlated errors.
+    #[inline(always)]
+    fn add_all<const COUNT: usize>(&mut self, costs: &Costs<N>, shifts: [Shift<N>; COUNT]) {
         for (k, correlation) in costs.correlations.iter().enumerate() {
-            let by = shown[k] - before[k];
-            self.areas[area][k] += costs.of_areas[k] * by;
-            let [across, down] = correlation.reach;
-            for to in y.saturating_sub(down)..(y + down + 1).min(rows) {
-                let values = correlation.row(to as isize - y as isize);
-                let at = self.place(x, to, k) - across;
-                // Beyond the borders are margins, and beyond the values are zeros.
-                let row = &mut self.correlated[at..at + values.len()];
-                for (sums, values) in
-                    row.as_chunks_mut::<LANES>().0.iter_mut().zip(values.as_chunks::<LANES>().0)
-                {
-                    // A copy, which nothing else can change: else no vectors are used.
-                    let mut changed = *sums;
-                    for lane in 0..LANES {
-                        changed[lane] += by * values[lane];
-                    }
-                    *sums = changed;
-                }
+            match correlation.times() {
+                1 => self.add::<1, COUNT>(correlation, k, &shifts),
+                2 => self.add::<2, COUNT>(correlation, k, &shifts),
+                _ => self.add::<0, COUNT>(correlation, k, &shifts),
             }
         }
         // A pixel depends on the errors of its neighbours, and on those of its area, too.
         let [across, down] = costs.reach().map(|reach| reach + 1);
-        let blocks = columns.div_ceil(BLOCK);
-        let touched = |at: usize, reach: usize, count: usize| {
-            let first = at / AREA * AREA;
-            let last = (at + reach).max(first + AREA - 1).min(count - 1);
-            at.saturating_sub(reach).min(first) / BLOCK..=last / BLOCK
+        let blocks = self.columns.div_ceil(BLOCK);
+        let touched = |first: usize, last: usize, reach: usize, count: usize| {
+            let end = (last + reach).max(last / AREA * AREA + AREA - 1).min(count - 1);
+            first.saturating_sub(reach).min(first / AREA * AREA) / BLOCK..=end / BLOCK
         };
-        let along = touched(x, across, columns);
-        for row in touched(y, down, rows) {
+        let (left, right) = ends(shifts.each_ref().map(|shift| shift.x));
+        let (top, bottom) = ends(shifts.each_ref().map(|shift| shift.y));
+        let along = touched(left, right, across, self.columns);
+        for row in touched(top, bottom, down, self.rows) {
             self.touched[row * blocks..][along.clone()].fill(true);
         }
     }
+
+    /// Adds a correlation times shifts to the correlated errors of a coordinate. `TIMES` is that of the correlation, or 0.
+    #[inline(always)]
+    fn add<const TIMES: usize, const COUNT: usize>(
+        &mut self,
+        correlation: &Correlation,
+        k: usize,
+        shifts: &[Shift<N>; COUNT],
+    ) {
+        let [across, down] = correlation.reach;
+        let (left, _) = ends(shifts.each_ref().map(|shift| shift.x));
+        let (top, bottom) = ends(shifts.each_ref().map(|shift| shift.y));
+        let (first, end) = (top.saturating_sub(down), (bottom + down + 1).min(self.rows));
+        let stride = N * (self.columns + 2 * self.margin);
+        // Beyond the borders are margins, and about the values are zeros.
+        let at = self.place(left, first, k) - across;
+        let values = correlation.between_zeros();
+        let mut from = shifts
+            .each_ref()
+            .map(|shift| correlation.place(first + down + 1 - shift.y) + 1 - (shift.x - left));
+        let times = if TIMES == 0 { correlation.times() } else { TIMES };
+        for row in self.correlated[at..].chunks_mut(stride).take(end - first) {
+            let Some(row) = row.as_chunks_mut::<LANES>().0.get_mut(..times) else { return };
+            for (number, sums) in row.iter_mut().enumerate() {
+                // A copy, which nothing else can change: else no vectors are used.
+                let mut changed = *sums;
+                for (shift, from) in shifts.iter().zip(&from) {
+                    let Some(values) = values[from + number * LANES..].first_chunk::<LANES>() else { return };
+                    for lane in 0..LANES {
+                        changed[lane] += shift.by[k] * values[lane];
+                    }
+                }
+                *sums = changed;
+            }
+            from = from.map(|from| from + correlation.place(1));
+        }
+    }
+}
+
+/// Places of a row: number of columns, 0 beyond the band; the first of its states, of each coordinate of its correlated errors, and of its
+/// areas.
+struct Row<const N: usize> {
+    columns: usize,
+    first: usize,
+    correlated: [usize; N],
+    area: usize,
+}
+
+/// By how much a change shifts a pixel.
+struct Shift<const N: usize> {
+    x: usize,
+    y: usize,
+    by: [f32; N],
+}
+
+/// The smallest and the largest of one or two numbers.
+#[inline(always)]
+fn ends<const COUNT: usize>(numbers: [usize; COUNT]) -> (usize, usize) {
+    (numbers.into_iter().fold(usize::MAX, usize::min), numbers.into_iter().fold(0, usize::max))
 }

@@ -140,7 +140,7 @@ fn add(into: &mut [f32], correlation: &Correlation, down: isize, line: &[f32], p
         into.iter_mut().zip(line).for_each(|(sum, value)| *sum += weight * value);
         return;
     }
-    for (x, weight) in correlation.row(down)[..2 * correlation.reach[0] + 1].iter().enumerate() {
+    for (x, weight) in correlation.row(down).iter().enumerate() {
         into.iter_mut().zip(&padded[x..]).for_each(|(sum, error)| *sum += weight * error);
     }
 }

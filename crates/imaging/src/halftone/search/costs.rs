@@ -44,17 +44,17 @@ pub(super) struct Costs<const N: usize> {
     /// products of their coordinates, each with the correlation there.
     near: [[Vec<f32>; 4]; 2],
     /// The same for up to [`LANES`] states.
-    lanes: Option<Lanes<N>>,
-    least: f32,
+    pub(super) lanes: Option<Lanes<N>>,
+    pub(super) least: f32,
 }
 
 /// Costs of up to [`LANES`] states.
-struct Lanes<const N: usize> {
+pub(super) struct Lanes<const N: usize> {
     /// Twice each coordinate of the states.
     doubled: [[f32; LANES]; N],
     /// For pixels that take all states and for those that take few, and each state of a pixel: the squares of the
     /// changes to the others, each with the middle of the correlation.
-    squares: [Vec<[f32; LANES]>; 2],
+    squares: [[[f32; LANES]; LANES]; 2],
     near: [[[[f32; LANES]; LANES]; 4]; 2],
     /// The same by the state of the neighbour, and then that of the pixel.
     near_other: [[[[f32; LANES]; LANES]; 4]; 2],
@@ -81,6 +81,24 @@ pub(super) struct Here<const N: usize> {
 
 /// The neighbours of a pixel inside the picture.
 pub(super) type Neighbours<const N: usize> = [Option<Here<N>>; 4];
+
+/// A pixel by the costs of its states alone, of up to [`LANES`].
+#[derive(Clone, Copy)]
+pub(super) struct Alone {
+    costs: [f32; LANES],
+    own: u8,
+    area: usize,
+}
+
+impl Alone {
+    /// Of a pixel that cannot change.
+    pub(super) const FIXED: Self = Self { costs: [IMPOSSIBLE; LANES], own: 0, area: usize::MAX };
+
+    #[inline(always)]
+    pub(super) fn is_fixed(&self) -> bool {
+        self.area == usize::MAX
+    }
+}
 
 impl<const N: usize> Costs<N> {
     pub(super) fn new(palette: &[[f64; N]], allowed: &[bool], filters: &[Filter; N]) -> Self {
@@ -123,20 +141,6 @@ impl<const N: usize> Costs<N> {
         [largest(0), largest(1)]
     }
 
-    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much.
-    #[inline(always)]
-    pub(super) fn best(
-        &self,
-        here: Here<N>,
-        neighbours: Neighbours<N>,
-        scratch: &mut Scratch,
-    ) -> Option<(Change, f32)> {
-        match &self.lanes {
-            Some(lanes) => lanes.best(self.least, here, neighbours),
-            None => self.best_of_many(here, neighbours, scratch),
-        }
-    }
-
     /// Costs of the states of a pixel.
     fn single(&self, Here { own, r, is_few, .. }: Here<N>, costs: &mut Vec<f32>) {
         let shown = self.palette[usize::from(own)];
@@ -154,8 +158,9 @@ impl<const N: usize> Costs<N> {
         }));
     }
 
+    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much; of many states.
     #[inline(never)]
-    fn best_of_many(
+    pub(super) fn best_of_many(
         &self,
         pixel: Here<N>,
         neighbours: Neighbours<N>,
@@ -223,7 +228,8 @@ impl<const N: usize> Lanes<N> {
                     true => IMPOSSIBLE,
                     false => square(own, &palette[at]),
                 };
-                palette.iter().map(|own| lanes(&|at| to(own, at), IMPOSSIBLE)).collect()
+                let of = |own: usize| palette.get(own).map(|own| lanes(&|at| to(own, at), IMPOSSIBLE));
+                std::array::from_fn(|own| of(own).unwrap_or([IMPOSSIBLE; LANES]))
             }),
             near: tables(&|state, at| state * count + at),
             near_other: tables(&|state, at| at * count + state),
@@ -232,77 +238,89 @@ impl<const N: usize> Lanes<N> {
 
     /// Costs of the states of a pixel.
     #[inline(always)]
-    fn single(&self, Here { own, r, is_few, .. }: Here<N>) -> [f32; LANES] {
-        let own = usize::from(own);
-        let (mut costs, mut before) = ([0.0; LANES], 0.0);
+    pub(super) fn alone(&self, Here { own, r, is_few, area }: Here<N>) -> Alone {
+        let mut sums = [0.0; LANES];
         for (r, doubled) in r.iter().zip(&self.doubled) {
-            for (cost, doubled) in costs.iter_mut().zip(doubled) {
-                *cost += r * doubled;
+            for lane in 0..LANES {
+                sums[lane] += r * doubled[lane];
             }
-            // The cost of its own state, too: to pick it out of the vector would take longer.
-            before += r * doubled[own];
         }
-        let squares = &self.squares[usize::from(is_few)][own];
-        for (cost, square) in costs.iter_mut().zip(squares) {
-            *cost = *cost - before + square;
-        }
-        costs
+        let own_lane = usize::from(own) % LANES;
+        let (before, squares) = (sums[own_lane], &self.squares[usize::from(is_few)][own_lane]);
+        Alone { costs: std::array::from_fn(|lane| sums[lane] - before + squares[lane]), own, area }
     }
 
+    /// The change of a pixel, alone or with a neighbour, that lowers the error most, and by how much; `STATES` is the number of states, or
+    /// more.
     #[inline(always)]
-    fn best(&self, least: f32, pixel: Here<N>, neighbours: Neighbours<N>) -> Option<(Change, f32)> {
-        let own = usize::from(pixel.own);
-        let here = self.single(pixel);
-        let (mut best, mut lowest) = (None, -least);
-        if any_below(&here, lowest) {
-            for (state, cost) in here.into_iter().enumerate() {
-                if cost < lowest {
-                    (best, lowest) = (Some(Change { state: state as u8, other: None }), cost);
+    pub(super) fn best<const STATES: usize>(
+        &self,
+        least: f32,
+        pixel: Alone,
+        [right, left_below, below, right_below]: [Alone; NEIGHBOURS.len()],
+    ) -> Option<(Change, f32)> {
+        let mut best = Best { change: None, cost: -least };
+        if any_below(&pixel.costs, best.cost) {
+            for (state, cost) in pixel.costs.into_iter().enumerate() {
+                if cost < best.cost {
+                    best = Best { change: Some(Change { state: state as u8, other: None }), cost };
                 }
             }
         }
-        for (number, neighbour) in neighbours.into_iter().enumerate() {
-            let Some(neighbour) = neighbour else { continue };
-            let same = usize::from(neighbour.area == pixel.area);
-            let near = &self.near[same][number];
-            let other = usize::from(neighbour.own);
-            // The costs of both, and the sum of c (state - own) (to - other) from its four products.
-            let mut there = self.single(neighbour);
-            let from_own = near[own];
-            let apart = from_own[other];
-            for (there, from_own) in there.iter_mut().zip(from_own) {
-                *there += apart - from_own;
-            }
-            let mut smallest = [IMPOSSIBLE; LANES];
-            let mut alone = self.near_other[same][number][other];
-            for (alone, here) in alone.iter_mut().zip(&here) {
-                *alone = here - *alone;
-            }
-            for (row, alone) in near.iter().zip(&alone) {
-                for to in 0..LANES {
-                    let cost = alone + row[to];
-                    smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
-                }
-            }
-            for (cost, there) in smallest.iter_mut().zip(&there) {
-                *cost += there;
-            }
-            if !any_below(&smallest, lowest) {
-                continue;
-            }
-            for (to, cost) in smallest.into_iter().enumerate() {
-                if cost < lowest {
-                    let is_it = |state: &usize| {
-                        here[*state] - near[*state][other] + near[*state][to] + there[to] == cost
-                    };
-                    let state = (0..LANES).find(is_it).unwrap_or(own);
-                    lowest = cost;
-                    best = Some(Change { state: state as u8, other: Some((number, to as u8)) });
-                }
-            }
-        }
-        best.map(|change| (change, -lowest))
+        // Without a loop, which would keep them in memory.
+        self.try_both::<STATES, 0>(pixel, right, &mut best);
+        self.try_both::<STATES, 1>(pixel, left_below, &mut best);
+        self.try_both::<STATES, 2>(pixel, below, &mut best);
+        self.try_both::<STATES, 3>(pixel, right_below, &mut best);
+        best.change.map(|change| (change, -best.cost))
     }
+
+    /// Tries the changes of a pixel together with its neighbour of this number.
+    #[inline(always)]
+    fn try_both<const STATES: usize, const NUMBER: usize>(
+        &self,
+        pixel: Alone,
+        neighbour: Alone,
+        best: &mut Best,
+    ) {
+        let same = usize::from(neighbour.area == pixel.area);
+        let near = &self.near[same][NUMBER];
+        let [own, other] = [pixel.own, neighbour.own].map(|state| usize::from(state) % LANES);
+        // The costs of both, and the sum of c (state - own) (to - other) from its four products.
+        let (from_own, from_other) = (&near[own], &self.near_other[same][NUMBER][other]);
+        let apart = from_own[other];
+        let [mut here, mut there] = [pixel.costs, neighbour.costs];
+        for lane in 0..LANES {
+            here[lane] -= from_other[lane];
+            there[lane] += apart - from_own[lane];
+        }
+        let mut smallest = [IMPOSSIBLE; LANES];
+        for state in 0..STATES {
+            for to in 0..LANES {
+                let cost = here[state] + near[state][to];
+                smallest[to] = if cost < smallest[to] { cost } else { smallest[to] };
+            }
+        }
+        for to in 0..LANES {
+            smallest[to] += there[to];
+        }
+        if !any_below(&smallest, best.cost) {
+            return;
+        }
+        for (to, cost) in smallest.into_iter().enumerate() {
+            if cost < best.cost {
+                let is_it = |state: &usize| here[*state] + near[*state][to] + there[to] == cost;
+                let state = (0..STATES).find(is_it).unwrap_or(own) as u8;
+                *best = Best { change: Some(Change { state, other: Some((NUMBER, to as u8)) }), cost };
+            }
+        }
+    }
+}
+
+/// The best change so far, and its cost.
+struct Best {
+    change: Option<Change>,
+    cost: f32,
 }
 
 /// Whether one of the costs is below a limit: mostly none is, which vectors find out at once.

@@ -86,8 +86,9 @@ pub(super) struct Correlation {
     /// Columns and rows on each side of the middle.
     pub(super) reach: [usize; 2],
     values: Vec<f64>,
-    /// The values by rows, each followed by zeros up to a multiple of [`LANES`].
-    wide: Vec<f32>,
+    /// The values by rows, between zeros: a row above and below, a column on the left, and on the right so many that rows begin at
+    /// multiples of [`LANES`].
+    between_zeros: Vec<f32>,
     /// Values along x and along y whose products are the values, if there are such.
     pub(super) factors: Option<[Vec<f32>; 2]>,
 }
@@ -106,12 +107,13 @@ impl Correlation {
         });
         let single = |values: &[f64]| values.iter().map(|one| *one as f32).collect::<Vec<f32>>();
         let factors = is_product.then(|| [single(across), single(&down)]);
-        let wide_columns = columns.next_multiple_of(LANES);
-        let mut wide = vec![0.0; wide_columns * (2 * reach[1] + 1)];
-        for (row, values) in wide.chunks_exact_mut(wide_columns).zip(values.chunks_exact(columns)) {
-            row.iter_mut().zip(values).for_each(|(to, value)| *to = *value as f32);
+        let stride = columns.next_multiple_of(LANES) + LANES;
+        let mut between_zeros = vec![0.0; stride * (2 * reach[1] + 3)];
+        for (row, values) in between_zeros.chunks_exact_mut(stride).skip(1).zip(values.chunks_exact(columns))
+        {
+            row[1..].iter_mut().zip(values).for_each(|(to, value)| *to = *value as f32);
         }
-        Self { reach, values, wide, factors }
+        Self { reach, values, between_zeros, factors }
     }
 
     pub(super) fn middle(&self) -> f64 {
@@ -127,10 +129,28 @@ impl Correlation {
         self.values[y.wrapping_add_signed(down) * (2 * x + 1) + x.wrapping_add_signed(right)]
     }
 
-    /// The values of a row within the reach, from the left, and zeros up to a multiple of [`LANES`].
+    /// How many times [`LANES`] numbers hold a row of values, and one more.
+    #[inline(always)]
+    pub(super) fn times(&self) -> usize {
+        (2 * self.reach[0] + 1).div_ceil(LANES)
+    }
+
+    /// The values of a row within the reach, from the left.
     #[inline(always)]
     pub(super) fn row(&self, down: isize) -> &[f32] {
-        let wide = (2 * self.reach[0] + 1).next_multiple_of(LANES);
-        &self.wide[self.reach[1].wrapping_add_signed(down) * wide..][..wide]
+        let row = (self.reach[1] + 1).wrapping_add_signed(down);
+        &self.between_zeros[self.place(row) + 1..][..2 * self.reach[0] + 1]
+    }
+
+    /// The place of a row in [`between_zeros`](Self::between_zeros), the first of which is a row of zeros.
+    #[inline(always)]
+    pub(super) fn place(&self, row: usize) -> usize {
+        row * (self.times() + 1) * LANES
+    }
+
+    /// The values by rows, each row and each column after zeros.
+    #[inline(always)]
+    pub(super) fn between_zeros(&self) -> &[f32] {
+        &self.between_zeros
     }
 }
