@@ -3,6 +3,9 @@
 /// Whole units of the largest coordinate of a palette: 2^23 to 2^24.
 const UNIT_BITS: i32 = 24;
 
+/// States whose distances are computed at once.
+const LANES: usize = 8;
+
 /// Largest wanted coordinate in units, 16 times that of the palette: sums stay within 32 bits.
 pub(super) const MOST_UNITS: f32 = 268_435_456.0;
 
@@ -15,6 +18,8 @@ pub(super) struct Palette<const N: usize> {
     /// less |v|^2, halved.
     gradients: [Vec<f32>; N],
     constants: Vec<f32>,
+    /// The same of up to [`LANES`] states, whose distances are computed at once; states that do not exist are infinitely far.
+    lanes: Option<([[f32; LANES]; N], [f32; LANES])>,
     /// Limit of the error in units.
     pub(super) limit: i32,
 }
@@ -42,6 +47,7 @@ impl<const N: usize> Palette<N> {
             units,
             gradients: [const { Vec::new() }; N],
             constants: Vec::new(),
+            lanes: None,
             limit,
         };
         for units in &prepared.units {
@@ -53,13 +59,27 @@ impl<const N: usize> Palette<N> {
                 gradients.push((-along / (size * size)) as f32);
             }
         }
+        if palette.len() <= LANES {
+            let lanes = |of: &[f32], rest: f32| std::array::from_fn(|at| of.get(at).copied().unwrap_or(rest));
+            let gradients = prepared.gradients.each_ref().map(|gradients| lanes(gradients, 0.0));
+            prepared.lanes = Some((gradients, lanes(&prepared.constants, f32::INFINITY)));
+        }
         prepared
     }
 
     /// The state nearest to a colour in units; of several, the last one.
     #[inline]
     pub(super) fn nearest(&self, colour: [i32; N]) -> usize {
-        self.nearest_of(colour, |_| true)
+        let Some((gradients, constants)) = &self.lanes else { return self.nearest_of(colour, |_| true) };
+        let mut distances = *constants;
+        for (value, gradients) in colour.iter().zip(gradients) {
+            for lane in 0..LANES {
+                distances[lane] += *value as f32 * gradients[lane];
+            }
+        }
+        let [a, b, c, d, e, f, g, h] = std::array::from_fn(|state| (distances[state], state));
+        let nearer = |one: (f32, usize), other: (f32, usize)| if other.0 <= one.0 { other } else { one };
+        nearer(nearer(nearer(a, b), nearer(c, d)), nearer(nearer(e, f), nearer(g, h))).1
     }
 
     /// The same of some states.
