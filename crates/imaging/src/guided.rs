@@ -11,6 +11,8 @@
 //! **Source.** K. He, J. Sun, X. Tang, IEEE Trans. Pattern Anal. Mach. Intell. 35, 1397 (2013), the picture
 //! being its own guide.
 
+use pulp::NullaryFnOnce;
+
 use crate::ImagingError;
 use crate::halftone::check_rows;
 
@@ -63,45 +65,82 @@ pub fn window_means(values: Vec<f64>, columns: usize, radius: usize) -> Vec<f64>
 }
 
 /// The same of numbers of any precision.
-fn means_of<T: Copy + Into<f64>>(
-    mut values: Vec<T>,
+fn means_of<T: Copy + Into<f64>, R: Fn(f64) -> T>(
+    values: Vec<T>,
     columns: usize,
     radius: usize,
-    rounded: impl Fn(f64) -> T,
+    rounded: R,
 ) -> Vec<T> {
-    // A window beyond all borders is the whole picture.
-    let radius = radius.min(values.len());
-    let mut sums = vec![0.0; columns + 1];
-    for row in values.chunks_exact_mut(columns) {
-        (0..columns).for_each(|x| sums[x + 1] = sums[x] + row[x].into());
-        for (x, value) in row.iter_mut().enumerate() {
-            let (first, end) = (x.saturating_sub(radius), (x + radius + 1).min(columns));
-            *value = rounded((sums[end] - sums[first]) / (end - first) as f64);
+    pulp::Arch::new().dispatch(Means { values, columns, radius, rounded })
+}
+
+struct Means<T, R> {
+    values: Vec<T>,
+    columns: usize,
+    radius: usize,
+    rounded: R,
+}
+
+/// Rows whose sums are computed at once: those of one would wait for each other.
+const AT_ONCE: usize = 4;
+
+impl<T: Copy + Into<f64>, R: Fn(f64) -> T> NullaryFnOnce for Means<T, R> {
+    type Output = Vec<T>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<T> {
+        let Self { mut values, columns, radius, rounded } = self;
+        // A window beyond all borders is the whole picture.
+        let radius = radius.min(values.len());
+        let mut sums = [0; AT_ONCE].map(|_| vec![0.0; columns + 1]);
+        for rows in values.chunks_mut(AT_ONCE * columns) {
+            let count = rows.len() / columns;
+            let mut totals = [0.0; AT_ONCE];
+            for x in 0..columns {
+                for (row, total) in totals.iter_mut().enumerate().take(count) {
+                    *total += rows[row * columns + x].into();
+                    sums[row][x + 1] = *total;
+                }
+            }
+            for (row, sums) in rows.chunks_exact_mut(columns).zip(&sums) {
+                let inside = radius.min(columns)..columns.saturating_sub(radius).max(radius.min(columns));
+                let mean = |x: usize| {
+                    let (first, end) = (x.saturating_sub(radius), (x + radius + 1).min(columns));
+                    rounded((sums[end] - sums[first]) / (end - first) as f64)
+                };
+                (0..inside.start).chain(inside.end..columns).for_each(|x| row[x] = mean(x));
+                let count = (2 * radius + 1) as f64;
+                let ends = sums.get(2 * radius + 1..).unwrap_or(&[]).iter().zip(sums);
+                for (value, (end, first)) in row[inside].iter_mut().zip(ends) {
+                    *value = rounded((end - first) / count);
+                }
+            }
         }
+        // Down the columns, the sum of the rows in the window: one row enters and one leaves, which is kept until then.
+        let rows = values.len() / columns;
+        let count_of_kept = (radius + 1).min(rows);
+        let mut kept = values[..count_of_kept * columns].to_vec();
+        let [sums, ..] = &mut sums;
+        let sums = &mut sums[..columns];
+        sums.fill(0.0);
+        let mut entered = 0;
+        for y in 0..rows {
+            while entered < (y + radius + 1).min(rows) {
+                let entering = &values[entered * columns..][..columns];
+                sums.iter_mut().zip(entering).for_each(|(sum, value)| *sum += (*value).into());
+                entered += 1;
+            }
+            let kept = &mut kept[y % count_of_kept * columns..][..columns];
+            if y > radius {
+                sums.iter_mut().zip(&*kept).for_each(|(sum, value)| *sum -= (*value).into());
+            }
+            let row = &mut values[y * columns..][..columns];
+            kept.copy_from_slice(row);
+            let count = (entered - y.saturating_sub(radius)) as f64;
+            row.iter_mut().zip(&*sums).for_each(|(value, sum)| *value = rounded(sum / count));
+        }
+        values
     }
-    // Down the columns, the sum of the rows in the window: one row enters and one leaves, which is kept until then.
-    let rows = values.len() / columns;
-    let count_of_kept = (radius + 1).min(rows);
-    let mut kept = values[..count_of_kept * columns].to_vec();
-    let sums = &mut sums[..columns];
-    sums.fill(0.0);
-    let mut entered = 0;
-    for y in 0..rows {
-        while entered < (y + radius + 1).min(rows) {
-            let entering = &values[entered * columns..][..columns];
-            sums.iter_mut().zip(entering).for_each(|(sum, value)| *sum += (*value).into());
-            entered += 1;
-        }
-        let kept = &mut kept[y % count_of_kept * columns..][..columns];
-        if y > radius {
-            sums.iter_mut().zip(&*kept).for_each(|(sum, value)| *sum -= (*value).into());
-        }
-        let row = &mut values[y * columns..][..columns];
-        kept.copy_from_slice(row);
-        let count = (entered - y.saturating_sub(radius)) as f64;
-        row.iter_mut().zip(&*sums).for_each(|(value, sum)| *value = rounded(sum / count));
-    }
-    values
 }
 
 #[cfg(test)]
