@@ -18,7 +18,7 @@ pub(super) struct Palette<const N: usize> {
     /// less |v|^2, halved.
     gradients: [Vec<f32>; N],
     constants: Vec<f32>,
-    /// The same of up to [`LANES`] states, whose distances are computed at once; states that do not exist are infinitely far.
+    /// The same of five to [`LANES`] states, whose distances are computed at once; states that do not exist are infinitely far.
     lanes: Option<([[f32; LANES]; N], [f32; LANES])>,
     /// Limit of the error in units.
     pub(super) limit: i32,
@@ -59,7 +59,8 @@ impl<const N: usize> Palette<N> {
                 gradients.push((-along / (size * size)) as f32);
             }
         }
-        if palette.len() <= LANES {
+        // Of fewer states, one after the other is as quick.
+        if (5..=LANES).contains(&palette.len()) {
             let lanes = |of: &[f32], rest: f32| std::array::from_fn(|at| of.get(at).copied().unwrap_or(rest));
             let gradients = prepared.gradients.each_ref().map(|gradients| lanes(gradients, 0.0));
             prepared.lanes = Some((gradients, lanes(&prepared.constants, f32::INFINITY)));
@@ -68,7 +69,7 @@ impl<const N: usize> Palette<N> {
     }
 
     /// The state nearest to a colour in units; of several, the last one.
-    #[inline]
+    #[inline(always)]
     pub(super) fn nearest(&self, colour: [i32; N]) -> usize {
         let Some((gradients, constants)) = &self.lanes else { return self.nearest_of(colour, |_| true) };
         let mut distances = *constants;
@@ -77,9 +78,11 @@ impl<const N: usize> Palette<N> {
                 distances[lane] += *value as f32 * gradients[lane];
             }
         }
-        let [a, b, c, d, e, f, g, h] = std::array::from_fn(|state| (distances[state], state));
+        let one = |state: usize| (distances[state], state);
         let nearer = |one: (f32, usize), other: (f32, usize)| if other.0 <= one.0 { other } else { one };
-        nearer(nearer(nearer(a, b), nearer(c, d)), nearer(nearer(e, f), nearer(g, h))).1
+        let low = nearer(nearer(one(0), one(1)), nearer(one(2), one(3)));
+        let high = nearer(nearer(one(4), one(5)), nearer(one(6), one(7)));
+        nearer(low, high).1
     }
 
     /// The same of some states.
