@@ -7,7 +7,7 @@ use papilio_goniometry::{Channel, Measurement, Provenance};
 
 use super::angles::RADIANS;
 use super::table_read::is_front_reflection;
-use super::table_rows::{Rows, unfold};
+use super::table_rows::Rows;
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};
@@ -182,10 +182,9 @@ fn row(text: Text<'_>, line: Range<usize>, channels: &[Channel], rows: &mut Rows
         }
         *angle = value;
     }
-    let way = unfold(&mut angles);
     for (channel, word) in channels.iter().zip(words) {
         let value = text.value(word)?;
-        rows.add(text, line.clone(), way, angles, (*channel, value))?;
+        rows.add_unfolded(text, line.clone(), angles, (*channel, value))?;
     }
     Ok(())
 }

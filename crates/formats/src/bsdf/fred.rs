@@ -13,7 +13,7 @@ use std::ops::Range;
 use papilio_goniometry::{Channel, Direction, Measurement, Provenance};
 
 use super::angles::{Angles, DEGREES, RADIANS};
-use super::table_rows::{Rows, unfold};
+use super::table_rows::Rows;
 use super::text::{Lines, Text};
 use super::{BsdfFile, BsdfProblem};
 use crate::error::{FormatError, Problem};
@@ -84,8 +84,7 @@ pub(super) fn read(file: &DataFile) -> Result<BsdfFile, FormatError> {
             if angles[1] >= 360.0 {
                 angles[1] -= 360.0;
             }
-            let way = unfold(&mut angles);
-            table.add(text, place.clone(), way, angles, (Channel::Monochrome, *value))?;
+            table.add_unfolded(text, place.clone(), angles, (Channel::Monochrome, *value))?;
         }
     }
     let parts = table.parts(text)?;

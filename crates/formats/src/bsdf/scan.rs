@@ -3,7 +3,8 @@
 //! A scan has one line of directions, and therefore says nothing about other azimuths and other incidences.
 //! It is read as the lobe of a sample that is rotationally symmetric about the normal: rings about the
 //! specular direction. Angles on the two sides of the normal (negative and positive) are averaged. Above 90
-//! deg, the light is behind the sample: 180 deg is straight through.
+//! deg, the light is behind the sample: 180 deg is straight through. A row at 90 deg belongs to the side that
+//! has other rows; to the front, if both have some.
 
 use std::ops::Range;
 
@@ -167,7 +168,11 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     if layout.unit.is_none() && most <= LARGEST_RADIAN && !is_whole {
         return Err(text.whole(Problem::Radians));
     }
-    let (behind, before): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|(theta, ..)| theta.abs() > 90.0);
+    let (mut behind, mut before): (Vec<Row>, Vec<Row>) =
+        rows.into_iter().partition(|(theta, ..)| theta.abs() > 90.0);
+    if !behind.is_empty() && before.iter().all(|(theta, ..)| theta.abs() == 90.0) {
+        behind.append(&mut before);
+    }
     let states_side = !behind.is_empty();
     let states_part = layout.way.is_some() || states_side;
     let way = layout.way.filter(|_| behind.is_empty()).unwrap_or(ScatterMode::FrontReflection);
@@ -242,8 +247,11 @@ fn part(
         values.push(mean);
     }
     if radials.len() < FEWEST {
-        let what = format!("a scan with {} angles", radials.len());
-        return Err(text.whole(BsdfProblem::Unsupported { what, expected: "at least three angles" }));
+        let angles = if radials.len() == 1 { "angle" } else { "angles" };
+        let what = format!("a scan with {} {angles} of the {}", radials.len(), way.name());
+        return Err(
+            text.whole(BsdfProblem::Unsupported { what, expected: "at least three angles on each side" })
+        );
     }
     let asymmetry = if sums > 0.0 { (differences / sums).sqrt() } else { 0.0 };
     if asymmetry > ASYMMETRY {

@@ -2,7 +2,8 @@
 //! `theta_i,theta_o,dphi[,wavelength],value` for light from one azimuth; a column `error` is not read.
 //!
 //! Without a column `way`, inclinations are from 0 to 180 deg from the normal of the front: above 90 deg,
-//! light comes from, or goes to, the back. If the rows are all combinations of values of four axes, they form
+//! light comes from, or goes to, the back. A row at exactly 90 deg belongs to the side that has other rows; to the
+//! front, if both have some. If the rows are all combinations of values of four axes, they form
 //! a grid.
 
 use std::ops::Range;

@@ -23,6 +23,8 @@ pub(super) struct Rows {
     channels: Vec<Channel>,
     numbers: HashMap<u64, usize>,
     ways: [Pairs; 4],
+    /// Whether inclinations state the sides: they are from the normal of the front, up to 180 deg.
+    is_unfolded: bool,
     pub(super) angles: Angles,
 }
 
@@ -70,8 +72,10 @@ impl Rows {
                 Column::Value => value = text.value(cell)?,
             }
         }
-        let way = way.unwrap_or_else(|| unfold(&mut angles));
-        self.add(text, line, way, angles, (channel, value))
+        match way {
+            Some(way) => self.add(text, line, way, angles, (channel, value)),
+            None => self.add_unfolded(text, line, angles, (channel, value)),
+        }
     }
 
     /// Reads angle `k` of a row, in degrees.
@@ -112,6 +116,63 @@ impl Rows {
                 *way = way.with_angles(snapped);
             }
         }
+    }
+
+    /// Adds the value of a row whose inclinations are from the normal of the front.
+    pub(super) fn add_unfolded(
+        &mut self,
+        text: Text<'_>,
+        line: Range<usize>,
+        mut angles: [f64; 4],
+        value: (Channel, f64),
+    ) -> Result<(), FormatError> {
+        self.is_unfolded = true;
+        let way = unfold(&mut angles);
+        self.add(text, line, way, angles, value)
+    }
+
+    /// Moves rows at exactly 90 deg, where the sides of the sample meet and which [`unfold`] gives to the front,
+    /// to the side that has other rows; they stay at the front if both sides or none have some.
+    fn settle_horizon(&mut self) {
+        let at_horizon = |pair: &[f64; 4]| [0, 2].map(|k| pair[k] == 90.0);
+        let has_others = |pairs: &Pairs| pairs.pairs.iter().any(|pair| at_horizon(pair) == [false; 2]);
+        let known = self.ways.each_ref().map(has_others);
+        for way in 0..self.ways.len() {
+            if known[way] || self.ways[way].pairs.is_empty() {
+                continue;
+            }
+            let rows = std::mem::take(&mut self.ways[way]);
+            for (pair, channel, value, at) in rows.rows() {
+                let [light, viewer] = at_horizon(&pair);
+                // The part with the other side of the viewer, of the light, or of both.
+                let turned = [(viewer, TURNED_VIEWER), (light, TURNED_LIGHT), (light && viewer, TURNED_BOTH)];
+                let mut others = turned.into_iter().filter(|(may, _)| *may).map(|(_, turned)| turned[way]);
+                let to = others.find(|to| known[*to]).unwrap_or(way);
+                self.ways[to].take(pair, channel, value, at);
+            }
+        }
+    }
+
+    /// Refuses a ring of directions at one inclination beside a part with more of them: a display would have its
+    /// values at all inclinations.
+    fn refuse_ring(&self, text: Text<'_>) -> Result<(), FormatError> {
+        let has_others = self.ways.iter().filter(|way| !way.pairs.is_empty()).count() > 1;
+        for (pairs, way) in self.ways.iter().zip(WAYS).filter(|_| self.is_unfolded && has_others) {
+            let Some([_, _, theta_o, phi_o]) = pairs.pairs.first().copied() else { continue };
+            let is_ring = theta_o > 0.0
+                && pairs.pairs.iter().all(|pair| pair[2] == theta_o)
+                && pairs.pairs.iter().any(|pair| pair[3] != phi_o);
+            if is_ring {
+                let is_behind = matches!(way, ScatterMode::FrontTransmission | ScatterMode::BackReflection);
+                let theta_o = if is_behind { 180.0 - theta_o } else { theta_o };
+                let what =
+                    format!("a {} with a single inclination of the viewer, {theta_o} deg,", way.name());
+                let expected = "several inclinations of the viewer on each side of the sample that has rows; \
+                                remove the others, or state the parts in a column `way`";
+                return Err(text.whole(BsdfProblem::Unsupported { what, expected }));
+            }
+        }
+        Ok(())
     }
 
     /// Adds the value of a row.
@@ -157,6 +218,10 @@ impl Rows {
 
     pub(super) fn parts(mut self, text: Text<'_>) -> Result<Vec<MeasuredPart>, FormatError> {
         self.without_rounding();
+        if self.is_unfolded {
+            self.settle_horizon();
+        }
+        self.refuse_ring(text)?;
         let mut order: Vec<usize> = (0..self.channels.len()).collect();
         if self.channels.iter().all(|channel| matches!(channel, Channel::Wavelength(_))) {
             let nm = |k: usize| match self.channels[k] {
@@ -187,9 +252,14 @@ pub(super) const NAMED: [Channel; 8] = [
     Channel::Solar,
 ];
 
+/// Indices in [`WAYS`] of the parts with the other side of the viewer, of the light, and of both.
+const TURNED_VIEWER: [usize; 4] = [1, 0, 3, 2];
+const TURNED_LIGHT: [usize; 4] = [2, 3, 0, 1];
+const TURNED_BOTH: [usize; 4] = [3, 2, 1, 0];
+
 /// Converts inclinations from the normal of the front to inclinations from the normals of their own sides,
 /// and returns the index of the part in [`WAYS`].
-pub(super) fn unfold(angles: &mut [f64; 4]) -> usize {
+fn unfold(angles: &mut [f64; 4]) -> usize {
     let from_back = angles[0] > 90.0;
     let to_back = angles[2] > 90.0;
     for (k, back) in [(0, from_back), (2, to_back)] {
@@ -215,12 +285,17 @@ impl Pairs {
         self.entries.push((number, channel, value, at));
     }
 
+    /// The rows: angles, channel, value and start.
+    fn rows(&self) -> impl Iterator<Item = ([f64; 4], u32, f64, usize)> {
+        let row =
+            |&(pair, channel, value, at): &(u32, _, _, _)| (self.pairs[pair as usize], channel, value, at);
+        self.entries.iter().map(row)
+    }
+
     /// Returns the same rows with other angles, of which several may be the same.
     fn with_angles(&self, angles: impl Fn([f64; 4]) -> [f64; 4]) -> Self {
         let mut others = Self::default();
-        for &(pair, channel, value, at) in &self.entries {
-            others.take(angles(self.pairs[pair as usize]), channel, value, at);
-        }
+        self.rows().for_each(|(pair, channel, value, at)| others.take(angles(pair), channel, value, at));
         others
     }
 

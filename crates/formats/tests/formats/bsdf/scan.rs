@@ -63,6 +63,11 @@ fn two_sides_of_a_scan_are_averaged_and_180_deg_is_straight_through() {
     let ways: Vec<ScatterMode> = both.parts.iter().map(|part| part.way).collect();
     assert_eq!(ways, [ScatterMode::FrontReflection, ScatterMode::FrontTransmission]);
     assert_eq!(both.parts[1].evaluate(0, Direction::new(0.0, 0.0), Direction::new(0.0, 0.0)), Some(8.0));
+    // A row at 90 deg is of the side that has other rows.
+    let behind = read("theta_deg,bsdf\n90,0\n100,0\n150,2\n180,8\n");
+    assert_eq!(behind.parts, read("theta_deg,btdf\n0,8\n30,2\n80,0\n90,0\n").parts);
+    let (_, problem) = refused_bsdf("theta_deg,bsdf\n0,1\n30,1\n60,1\n100,0\n");
+    assert!(problem.diagnostic().to_string().contains("1 angle of the front transmission"));
 }
 
 /// The total of a Lambertian scan is pi f, and its haze is cos^2 of 2.5 deg.

@@ -40,6 +40,73 @@ fn csv_inclinations_beyond_90_deg_are_on_the_back() {
     }
 }
 
+/// The sides of a sample meet at 90 deg: rows there are of the part that the other rows have, as if a column stated it.
+#[test]
+fn rows_at_90_deg_are_of_the_side_that_has_other_rows() {
+    let turned = |is_behind: bool, theta: u32| if is_behind { 180 - theta } else { theta };
+    let names = ["front reflection", "front transmission", "back transmission", "back reflection"];
+    for (name, [from_back, to_back]) in
+        names.into_iter().zip([[false, false], [false, true], [true, false], [true, true]])
+    {
+        let (mut stated, mut unfolded) = ("way,theta_i,phi_i,theta_o,phi_o,bsdf\n".to_owned(), String::new());
+        for theta_i in [0, 45, 90] {
+            for theta_o in [0, 30, 60, 90] {
+                for phi in [0, 120, 240] {
+                    let value = 1000 * theta_i + 10 * theta_o + phi;
+                    stated += &format!("{name},{theta_i},0,{theta_o},{phi},{value}\n");
+                    let [i, o] = [turned(from_back, theta_i), turned(to_back, theta_o)];
+                    unfolded += &format!("{i},0,{o},{phi},{value}\n");
+                }
+            }
+        }
+        assert_eq!(read(&unfolded).parts, read(&stated).parts, "{name}");
+        // In radians, as the files of ASTM.
+        let rows: Vec<String> = unfolded
+            .lines()
+            .map(|line| {
+                let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+                let radians: Vec<String> =
+                    cells[..4].iter().map(|deg| format!("{:.4}", deg.to_radians())).collect();
+                format!("{},{}\n", radians.join(","), cells[4])
+            })
+            .collect();
+        let vars = "VARS theta_i,phi_i,theta_s,phi_s,BSDF";
+        let astm = format!("ASTM E 1392-96(2002)\nNUM_POINTS {}\n{vars}\n{}", rows.len(), rows.concat());
+        assert_eq!(read(astm).parts, read(&stated).parts, "{name}");
+    }
+    // Where both sides have other rows, 90 deg is the end of the front.
+    let both = |theta: u32| format!("0,0,{theta},0,{theta}\n0,0,{theta},90,1\n0,0,{theta},180,1\n");
+    let ends: Vec<Vec<f64>> = read([0, 45, 90, 135, 180].map(both).concat())
+        .parts
+        .iter()
+        .map(|part| match &part.geometry {
+            Geometry::Spherical(grid) => grid.theta_o_deg.clone(),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(ends, [vec![0.0, 45.0, 90.0], vec![0.0, 45.0]]);
+}
+
+/// A ring of directions behind the sample is no transmission: with other rows in front it is refused, unless it is stated.
+#[test]
+fn ring_of_one_inclination_beside_another_part_is_refused() {
+    let rows = |thetas: &[u32], head: &str| -> String {
+        let pairs = thetas.iter().flat_map(|theta| [0, 90, 180].map(|phi| (theta, phi)));
+        pairs.map(|(theta, phi)| format!("{head}0,0,{theta},{phi},0.3\n")).collect()
+    };
+    let (place, problem) = refused_bsdf(rows(&[0, 30, 60, 100], ""));
+    let words = problem.diagnostic().to_string();
+    assert!(place.is_none() && words.contains("front transmission with a single inclination"), "{words}");
+    assert!(words.contains("100 deg"), "{words}");
+    let stated = format!(
+        "way,theta_i,phi_i,theta_o,phi_o,bsdf\n{}{}",
+        rows(&[0, 30, 60], "front reflection,"),
+        rows(&[80], "front transmission,")
+    );
+    assert_eq!(read(stated).parts.len(), 2);
+    assert_eq!(read(rows(&[0, 30, 60, 180], "")).parts.len(), 2, "straight through");
+}
+
 #[test]
 fn csv_file_reads_back() {
     for text in [GRID, "0,0,0,0,1\n0,0,91,5,2\n10,20,30,40,1e-9\n"] {
