@@ -5,6 +5,8 @@ use papilio_goniometry::{
 };
 use serde::Serialize;
 
+use crate::audit_text::warnings;
+
 /// A measurement and its audit: angles in degrees, values in 1/sr, fractions from 0 to 1.
 #[derive(Debug, Serialize)]
 pub struct AuditFile<'a> {
@@ -34,6 +36,8 @@ struct PartFile {
 #[derive(Debug, Serialize)]
 struct ChannelFile {
     channel: String,
+    /// What the audit warns of, as the text of the report.
+    warnings: Vec<String>,
     cells_in_hemisphere: usize,
     lit: usize,
     holes: usize,
@@ -143,7 +147,7 @@ impl<'a> AuditFile<'a> {
                 .channels
                 .iter()
                 .zip(audits)
-                .map(|(name, audit)| channel(name.to_string(), audit))
+                .map(|(name, audit)| channel(name.to_string(), part, audit))
                 .collect(),
         };
         Self {
@@ -159,7 +163,7 @@ impl<'a> AuditFile<'a> {
     }
 }
 
-fn channel(channel: String, audit: &Audit) -> ChannelFile {
+fn channel(channel: String, part: &MeasuredPart, audit: &Audit) -> ChannelFile {
     let incidence = |found: &papilio_goniometry::Incidence| IncidenceFile {
         theta_deg: found.theta_deg,
         tis: found.tis,
@@ -181,6 +185,7 @@ fn channel(channel: String, audit: &Audit) -> ChannelFile {
     };
     ChannelFile {
         channel,
+        warnings: warnings(part, audit),
         cells_in_hemisphere: audit.cells,
         lit: audit.lit,
         holes: audit.holes,

@@ -344,7 +344,7 @@ fn rotations(audit: &Audit) -> String {
 }
 
 /// Returns the warnings of an audit.
-fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
+pub(crate) fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
     let mut warnings = Vec::new();
     // The reader warns of a TIS in per cent.
     let in_percent = part.tis_in_percent();
@@ -373,6 +373,7 @@ fn warnings(part: &MeasuredPart, audit: &Audit) -> Vec<String> {
         ));
     }
     warnings.extend(beyond(audit));
+    warnings.extend(below(&part.geometry));
     if let Some([first, last]) = audit.held_azimuths_deg {
         warnings.push(if first == last {
             "the file has a single azimuth: the lobe is assumed to be rotationally symmetric about the specular direction".to_owned()
@@ -462,6 +463,19 @@ fn beyond(audit: &Audit) -> Option<String> {
         percent(worst.beyond_share()),
         degrees(worst.theta_deg)
     ))
+}
+
+/// Returns a warning if a grid of inclinations of the viewer begins more than a step from the normal.
+fn below(geometry: &Geometry) -> Option<String> {
+    let Geometry::Spherical(grid) = geometry else { return None };
+    let first = grid.theta_o_deg.first().copied()?;
+    let step = grid.theta_o_deg.get(1).map_or(0.0, |second| second - first);
+    (first > step).then(|| {
+        format!(
+            "the smallest inclination of the viewer is {} deg: its values are used for smaller ones, down to the normal",
+            degrees(first)
+        )
+    })
 }
 
 /// Returns a warning if the smallest incidence has no light, or the values of a transmission may be in relative units.

@@ -271,8 +271,29 @@ fn coarse_azimuth_grid_is_a_warning() {
         (found.azimuth_error.unwrap() - off).abs() < 2e-3 && found.grid_error >= found.azimuth_error,
         "{found:?} {off}"
     );
-    let text = audit_text("x", &measurement, &[Some(audit)]);
+    let text = audit_text("x", &measurement, &[Some(audit.clone())]);
     assert!(text.contains("azimuth grid is too coarse"), "{text}");
+    // JSON has the warnings of the text.
+    let file = AuditFile::new(&measurement, &[(&measurement.parts[0], vec![audit])], [&[], &[]]);
+    let json = serde_json::to_value(&file).unwrap();
+    let of_json = json["parts"][0]["channels"][0]["warnings"].as_array().unwrap();
+    let of_json: Vec<&str> = of_json.iter().filter_map(|warning| warning.as_str()).collect();
+    let of_text: Vec<&str> = text.lines().filter_map(|line| line.trim().strip_prefix("warning: ")).collect();
+    assert!(of_json == of_text && !of_text.is_empty(), "{of_json:?} {of_text:?}");
+}
+
+/// A ring at 40 deg with the integral 0.3 pi sin² 40 deg, if its value is that of all directions within.
+#[test]
+fn ring_of_a_single_inclination_is_warned_of() {
+    let text = |thetas: &[u32]| {
+        let pairs = thetas.iter().flat_map(|theta| [0, 90, 180].map(|phi| (theta, phi)));
+        let rows: String = pairs.map(|(theta, phi)| format!("0,0,{theta},{phi},0.3\n")).collect();
+        let measurement = read(format!("theta_i,phi_i,theta_o,phi_o,brdf\n{rows}"));
+        audit_text("x", &measurement, &[Audit::of(&measurement.parts[0], 0)])
+    };
+    let warned = |thetas: &[u32]| text(thetas).contains("the smallest inclination of the viewer is");
+    assert!(warned(&[40]) && warned(&[40, 50, 60]) && text(&[40]).contains("is 40 deg"));
+    assert!(!warned(&[0, 20, 40]) && !warned(&[2, 5, 8]));
 }
 
 /// Azimuths may be signed or not; a warning reports azimuths that do not cover the full circle.
