@@ -34,6 +34,7 @@ fn panel() -> Panel {
     let transmittance = vec![0.95; BINS].into();
     Panel {
         front: Front::none(BINS),
+        components: Vec::new(),
         polarisation: None,
         keeps_s_and_p: false,
         top: Top::Diffuser(Diffuser { lobe, transmittance, regular_fraction: 0.0 }),

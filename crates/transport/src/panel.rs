@@ -16,6 +16,8 @@ use crate::{Base, Component, Diffuser, FlatRun, Front, Interface, Layer, Medium,
 pub struct Panel {
     /// Front of screen, in air.
     pub front: Front,
+    /// Its components, outermost first.
+    pub components: Vec<Component>,
     /// Interface between air and the medium.
     pub top: Top,
     /// The polarisation of the light, if it is one.
@@ -133,6 +135,7 @@ impl Panel {
                 true => Front::first_order(base.bins(), components),
                 false => Front::exact(base.bins(), components),
             },
+            components: parts.front.iter().map(|one| (*one).clone()).collect(),
             top: match parts.face {
                 Interface::Diffuser(diffuser) => Top::Diffuser(diffuser.clone()),
                 Interface::IdealAr => Top::IdealAr,
@@ -160,6 +163,7 @@ impl Panel {
     pub(crate) fn below_run(run: FlatRun, medium: &Medium, base: Base) -> Self {
         Self {
             front: Front::none(base.bins()),
+            components: Vec::new(),
             top: Top::Fresnel(medium.index().clone()),
             polarisation: None,
             keeps_s_and_p: false,

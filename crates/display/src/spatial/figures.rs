@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use papilio_transport::{Cone, Panel, Source, Top};
 
 use super::PatternKind;
-use super::meetings::{Chain, Points, Way, each_number};
+use super::meetings::{Air, Chain, Points, Way, each_number};
 use super::patterns::Text;
 
 /// Most combinations of states of all chains with the same number of meetings.
@@ -31,8 +31,8 @@ pub(super) struct FigureLight {
     view: Cone,
     source: Source,
     index: f64,
-    /// Glass, and air above it, mm.
-    lengths_mm: [f64; 2],
+    glass_mm: f64,
+    air: Air,
     points: Points,
     /// Weights of the light, `[wavelength]`.
     weights: Vec<f64>,
@@ -69,7 +69,8 @@ impl FigureLight {
             view: *way.view,
             source: way.source.clone(),
             index: way.index,
-            lengths_mm: [way.glass_mm, way.air_mm],
+            glass_mm: way.glass_mm,
+            air: way.air.clone(),
             points,
             weights: weights.to_vec(),
             known: Mutex::default(),
@@ -90,9 +91,9 @@ impl FigureLight {
     fn followed(&self, states: [usize; 2]) -> Figures {
         let Self { panel, weights, .. } = self;
         let Top::Diffuser(diffuser) = &panel.top else { return Figures { groups: Vec::new(), states } };
-        let [glass_mm, air_mm] = self.lengths_mm;
-        let (view, source, index) = (&self.view, &self.source, self.index);
-        let way = Way { view, source, diffuser, index, glass_mm, air_mm, kept: 1.0 };
+        let (view, source, index, glass_mm, air) =
+            (&self.view, &self.source, self.index, self.glass_mm, &self.air);
+        let way = Way { view, source, diffuser, index, glass_mm, air, kept: 1.0 };
         let bins = weights.len();
         let kept = |bin: usize| panel.front.reflectance_below[bin] * diffuser.transmittance[bin].powi(2);
         let once = |bin: usize| {
@@ -114,6 +115,7 @@ impl FigureLight {
                 }
                 rows.clear();
                 rows.extend(light.iter().map(|light| weight * light));
+                chain.colour(&way, &mut rows);
                 for beta in chain.at_pixel() {
                     panel.base.reflectance(beta.squared(), &panel.medium, &mut rho);
                     next.clear();

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 use papilio_optics::Beta;
-use papilio_transport::spatial::{Cells, Peak, displacement};
+use papilio_transport::spatial::{Cells, Peak, displacement, fraction_of_order, orders_between};
 
 use super::irradiance::irradiance;
 use super::patterns::{Pattern, Text};
@@ -37,9 +37,6 @@ const FAR: f64 = 1e-7;
 
 /// Most trips through the glass of light whose places are followed, without and with trips through the air.
 const MOST_FOLLOWED: [usize; 2] = [500, 60];
-
-/// Most trips of light through the air below a front.
-const MOST_TRIPS: i32 = 6;
 
 /// Width of an image, as a fraction of the thickness, for positions of tables: images are sharp.
 const SHARP: f64 = 1e-3;
@@ -260,10 +257,8 @@ impl Faces {
         if !is_apart || by_front == 0.0 {
             return Self { returned: vec![face + by_front / (1.0 - between)], leaving: vec![1.0] };
         }
-        let count = (1..MOST_TRIPS).find(|k| between.powi(*k) < FAINTEST).unwrap_or(MOST_TRIPS);
-        // The last one stands for all that follow.
-        let rest = |k: i32| between.powi(k) * if k + 1 == count { 1.0 } else { 1.0 - between };
-        let leaving: Vec<f64> = (0..count).map(rest).collect();
+        let count = orders_between(between, FAINTEST);
+        let leaving: Vec<f64> = (0..count).map(|k| fraction_of_order(between, k, count)).collect();
         let scale = by_front / (1.0 - between);
         let returned = std::iter::once(face).chain(leaving.iter().map(|part| scale * part)).collect();
         Self { returned, leaving }

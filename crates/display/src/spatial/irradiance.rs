@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 
 use papilio_optics::Beta;
 use papilio_transport::Cone;
-use papilio_transport::spatial::{Cells, LambertianReturn, PixelSpread, Recycling, displacement};
+use papilio_transport::spatial::{
+    Cells, LambertianReturn, PixelSpread, Recycling, displacement, fraction_of_order, orders_between,
+};
 
 use super::Level;
 use super::below_layers::Layers;
@@ -26,7 +28,6 @@ pub(super) type PlacedImage = ([f64; 2], Vec<f64>);
 
 /// Images that have less than this fraction of the light belong to the one before.
 const FAINTEST_IMAGE: f64 = 1e-6;
-const MOST_IMAGES: usize = 6;
 
 /// What lies above pixels: the layers of an ordinary panel, or general layers above Lambertian pixels.
 #[derive(Clone, Copy)]
@@ -223,7 +224,7 @@ const DIGITS_OF_FIELD: [f64; 2] = [3.0, 5.0];
 /// Directions of a field of view along which flat faces show other places, and their fractions of the field.
 pub(super) fn along_field(lit: Lit<'_>) -> Result<Vec<(ViewPoint, f64)>, DisplayError> {
     let (field, index, level) = (&lit.view.field, lit.panel.medium.index().min(), lit.level);
-    let air_mm = lit.air_of_one_front_mm()?;
+    let air_mm = lit.air_mm()?;
     let mm_per_beta = 2.0 * (lit.thickness_mm() / (index * index - 1.0).max(0.1).sqrt() + air_mm);
     let phase = 2.0 * PI * level.most_per_mm * mm_per_beta * field.half_angle();
     let digits = DIGITS_OF_FIELD[usize::from(level.is_fine)] + f64::from(level.finer);
@@ -239,7 +240,7 @@ pub(super) fn along_field(lit: Lit<'_>) -> Result<Vec<(ViewPoint, f64)>, Display
 pub(super) fn images_of_field(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
     let along_axis = images(lit)?;
     let directions = along_field(lit)?;
-    if directions.len() < 2 || lit.air_of_one_front_mm()? == 0.0 {
+    if directions.len() < 2 || lit.air_mm()? == 0.0 {
         return Ok(along_axis);
     }
     let mut all: Vec<PlacedImage> = Vec::new();
@@ -261,19 +262,16 @@ pub(super) fn images_of_field(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayE
 /// Images of the pixels that a view sees because light was reflected between a flat face and a front above
 /// it: the place of each, mm, and the fraction of the light that each has at the wavelengths.
 pub(super) fn images(lit: Lit<'_>) -> Result<Vec<PlacedImage>, DisplayError> {
-    let air_mm = lit.air_of_one_front_mm()?;
+    let air_mm = lit.air_mm()?;
     let beta = lit.view.field.axis_towards();
     let way = displacement(beta, 2.0 * air_mm, 1.0);
     let bins = lit.panel.base.bins();
     let between: Vec<[(f64, f64); 2]> = (0..bins).map(|bin| lit.between(bin, beta)).collect();
     let all = between.iter().flatten().map(|(between, _)| *between);
     let largest = if way == [0.0; 2] { 0.0 } else { all.fold(0.0, f64::max) };
-    let count = (0..MOST_IMAGES).take_while(|k| *k == 0 || largest.powi(*k as i32) > FAINTEST_IMAGE).count();
+    let count = orders_between(largest, FAINTEST_IMAGE);
     let one = |k: usize| {
-        let last = k + 1 == count;
-        let fraction = |(between, share): (f64, f64)| {
-            share * (between.powi(k as i32) * if last { 1.0 } else { 1.0 - between })
-        };
+        let fraction = |(between, share): (f64, f64)| share * fraction_of_order(between, k, count);
         let fraction = |both: &[(f64, f64); 2]| both.map(fraction).iter().sum();
         (way.map(|way| k as f64 * way), between.iter().map(fraction).collect())
     };

@@ -8,7 +8,7 @@ use papilio_transport::spatial::{Accuracy, Binned, LineSpread, PanelSpread, Part
 
 use super::Response;
 use super::curve::Curves;
-use super::response::Lit;
+use super::response::{Lit, not_computed};
 use crate::DisplayError;
 
 /// Response in Y.
@@ -28,9 +28,7 @@ pub(super) fn of_quantities<W: AsRef<[f64]>>(
     // What the front returns is not a part of the spread; its transmittance is.
     let mut alone = panel.clone();
     alone.front.reflectance_below = vec![0.0; panel.base.bins()].into();
-    let spread = PanelSpread::new(&alone, &view.field, source, accuracy).map_err(|error| {
-        DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
-    })?;
+    let spread = PanelSpread::new(&alone, &view.field, source, accuracy).map_err(not_computed)?;
     let of_part = |part: &Part| {
         let passed = |weights: &W| -> Vec<f64> {
             weights.as_ref().iter().zip(&*part.through).map(|(weight, t)| weight * t).collect()
@@ -86,10 +84,25 @@ impl Brightest<'_> {
 impl LobeResponse {
     /// Light along an axis, by part.
     fn lines(&self, axis: usize) -> &[LineSpread] {
-        let of_part = |(points, curves): (PointSpread<'_>, &Arc<Curves>)| {
-            LineSpread::new(&points, axis, self.states, |beta_squared, y| curves.at(beta_squared, y))
+        let parts = self.spread.parts();
+        let all = || {
+            let mut lines: Vec<LineSpread> = Vec::with_capacity(parts.len());
+            for (number, (part, curves)) in parts.iter().zip(&self.curves).enumerate() {
+                // The same light, farther away, is computed once.
+                let known = (0..number).find_map(|other| Some((other, part.moved_from(&parts[other])?)));
+                lines.push(match known {
+                    Some((other, (by_mm, factor))) => lines[other].moved(by_mm[axis], factor),
+                    None => {
+                        let points = self.spread.point_spread(part);
+                        LineSpread::new(&points, axis, self.states, |beta_squared, y| {
+                            curves.at(beta_squared, y);
+                        })
+                    }
+                });
+            }
+            lines
         };
-        self.lines[axis].get_or_init(|| self.points().zip(&self.curves).map(of_part).collect())
+        self.lines[axis].get_or_init(all)
     }
 
     /// The brightest part; `None` without light.

@@ -8,7 +8,8 @@
 //! **How.** The integral over the directions of all passes is a sum over few Sobol points. Through lobes with wide tails
 //! light from a lamp makes most of its way at a single pass: for each pass j, the directions before it follow the lobe
 //! from the view, those behind it the lobe from the lamp. A point then counts as the harmonic mean of the lobes of all passes,
-//! which is the balance heuristic of these samplers.
+//! which is the balance heuristic of these samplers. Each time that light returns, one of its ways between the components of the
+//! front is drawn, and one of those to the viewer.
 //!
 //! **Limits.** The pixel has the mean reflectance of all wavelengths at each direction, and the glass the index of the
 //! brightest part of the light. How much light this is in all is not a part of it.
@@ -19,8 +20,11 @@ use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::scatterer::Scatterer;
 use papilio_sampling::{SampleStream, Sampler};
-use papilio_transport::spatial::displacement;
+use papilio_transport::spatial::{FrontWay, FrontWays, displacement};
 use papilio_transport::{Cone, Diffuser, Source};
+
+use super::response::Lit;
+use crate::DisplayError;
 
 /// Most meetings that are followed, and the fraction of the light below which no further ones are.
 const MOST: usize = 12;
@@ -40,9 +44,65 @@ pub(super) struct Way<'a> {
     pub(super) diffuser: &'a Diffuser,
     pub(super) index: f64,
     pub(super) glass_mm: f64,
-    pub(super) air_mm: f64,
+    pub(super) air: &'a Air,
     /// Fraction that one more meeting leaves of the light, without the pixel's reflectance.
     pub(super) kept: f64,
+}
+
+/// Ways of light through the air of a front: one of each kind is drawn for a chain.
+#[derive(Clone)]
+pub(super) struct Air {
+    leaving: Drawn,
+    returned: Drawn,
+}
+
+/// Ways, each with its chance.
+#[derive(Clone)]
+struct Drawn {
+    ways: Vec<FrontWay>,
+    chances: Vec<f64>,
+    /// Whether the fractions of the ways depend on the wavelength.
+    is_coloured: bool,
+}
+
+impl Air {
+    /// Those of a panel, in light with these weights over wavelength.
+    pub(super) fn new(lit: Lit<'_>, weights: &[f64]) -> Result<Self, DisplayError> {
+        let FrontWays { leaving, returned } = lit.front_ways(lit.level.digits)?;
+        Ok(Self { leaving: Drawn::new(leaving, weights), returned: Drawn::new(returned, weights) })
+    }
+}
+
+impl Drawn {
+    fn new(ways: Vec<FrontWay>, weights: &[f64]) -> Self {
+        let all: f64 = weights.iter().sum();
+        let chance = |way: &FrontWay| match all > 0.0 {
+            true => weights.iter().zip(&*way.fraction).map(|(weight, part)| weight * part).sum::<f64>() / all,
+            false => way.fraction.first().copied().unwrap_or_default(),
+        };
+        let is_coloured = ways.iter().any(|way| way.fraction.iter().any(|part| *part != way.fraction[0]));
+        Self { chances: ways.iter().map(chance).collect(), ways, is_coloured }
+    }
+
+    fn draw(&self, number: f64) -> usize {
+        let mut rest = number;
+        let drawn = self.chances.iter().position(|chance| {
+            rest -= chance;
+            rest < 0.0
+        });
+        drawn.unwrap_or(self.chances.len() - 1)
+    }
+
+    /// Multiplies light at each wavelength by its fraction over the chance.
+    fn colour(&self, drawn: usize, light: &mut [f64]) {
+        if self.is_coloured {
+            let chance = self.chances[drawn];
+            light
+                .iter_mut()
+                .zip(&*self.ways[drawn].fraction)
+                .for_each(|(light, part)| *light *= part / chance);
+        }
+    }
 }
 
 /// Points: how many, of which replicate, and the fraction that comes back of the light of the brightest state.
@@ -190,6 +250,9 @@ pub(super) fn each_number(points: &Points) -> impl Iterator<Item = (usize, usize
 pub(super) struct Chain {
     beta: Vec<Beta>,
     kept: Vec<bool>,
+    /// Ways through the front: of light that leaves, and each time that it returns.
+    leaving: usize,
+    returned: Vec<usize>,
 }
 
 impl Chain {
@@ -202,8 +265,16 @@ impl Chain {
         point: u64,
     ) -> f64 {
         let passes = 2 * meetings;
-        let [u, v, pass, _] = numbers.block(point, 2);
-        let [lamp_u, lamp_v, ..] = numbers.block(point, 3);
+        let [u, v, pass, first] = numbers.block(point, 2);
+        let [lamp_u, lamp_v, leaving, second] = numbers.block(point, 3);
+        let number = |k: usize| match k {
+            0 => first,
+            1 => second,
+            _ => numbers.block(point, 200 + k as u32)[0],
+        };
+        self.leaving = way.air.leaving.draw(leaving);
+        self.returned.clear();
+        self.returned.extend((1..meetings).map(|k| way.air.returned.draw(number(k - 1))));
         self.beta.clear();
         self.beta.resize(passes + 1, way.view.sample_towards([u, v]));
         self.kept.clear();
@@ -263,6 +334,12 @@ impl Chain {
         radiance * scattering.len() as f64 / inverse.sum::<f64>()
     }
 
+    /// Multiplies light at each wavelength by what the ways through the front have of it, relative to their chance.
+    pub(super) fn colour(&self, way: &Way<'_>, light: &mut [f64]) {
+        way.air.leaving.colour(self.leaving, light);
+        self.returned.iter().for_each(|drawn| way.air.returned.colour(*drawn, light));
+    }
+
     /// Directions along which light meets the pixel.
     pub(super) fn at_pixel(&self) -> impl Iterator<Item = &Beta> {
         self.beta[..self.beta.len() - 1].iter().skip(1).step_by(2)
@@ -271,11 +348,15 @@ impl Chain {
     /// Calls a function with the place of each meeting, relative to where the view's own ray meets the pixel.
     pub(super) fn each_place(&self, way: &Way<'_>, mut each: impl FnMut([f64; 2])) {
         let own = displacement(self.beta[0], way.glass_mm, way.index);
-        let mut place = own.map(|own| -own);
+        let Air { leaving, returned } = way.air;
+        let first = displacement(self.beta[0], leaving.ways[self.leaving].air_mm, 1.0);
+        let mut place = [0, 1].map(|axis| first[axis] - own[axis]);
         for k in 1..self.beta.len() - 1 {
             let beta = self.beta[k];
-            let (length, index) =
-                if k % 2 == 1 { (way.glass_mm, way.index) } else { (2.0 * way.air_mm, 1.0) };
+            let (length, index) = match k % 2 {
+                1 => (way.glass_mm, way.index),
+                _ => (returned.ways[self.returned[k / 2 - 1]].air_mm, 1.0),
+            };
             let by = displacement(beta, length, index);
             (0..2).for_each(|axis| place[axis] += by[axis]);
             if k % 2 == 1 {
@@ -308,18 +389,20 @@ mod tests {
             regular_fraction: 0.0,
         };
         let (index, glass_mm, air_mm) = (1.5, 0.7, 0.3);
+        let drawn = |air_mm: f64| Drawn::new(vec![FrontWay { air_mm, fraction: vec![1.0].into() }], &[1.0]);
+        let air = Air { leaving: drawn(0.0), returned: drawn(2.0 * air_mm) };
         let way = Way {
             view: &view,
             source: &Source::Diffuse,
             diffuser: &diffuser,
             index,
             glass_mm,
-            air_mm,
+            air: &air,
             kept: 1.0,
         };
         let sines = [0.1, -0.3, 0.5, 0.2, 0.4_f64];
         let beta = sines.iter().map(|x| Beta { x: *x, y: 0.0 }).collect();
-        let chain = Chain { beta, kept: vec![false; 4] };
+        let chain = Chain { beta, kept: vec![false; 4], leaving: 0, returned: vec![0] };
         let mut found = Vec::new();
         chain.each_place(&way, |place| found.push(place));
         let in_glass = |sine: f64| glass_mm * (sine / index).asin().tan();

@@ -20,8 +20,10 @@
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
-use papilio_transport::spatial::{Cells, LambertianReturn, Peak, PixelSpread, Recycling};
-use papilio_transport::{Source, Top};
+use papilio_transport::spatial::{
+    Cells, FrontWay, LambertianReturn, Peak, PixelSpread, Recycling, displacement,
+};
+use papilio_transport::{Panel, Source, Top};
 
 use super::bounds::{cells_across, cells_along, parts_of_pixels};
 use super::irradiance::{PlacedImage, images, images_of_field};
@@ -81,18 +83,21 @@ pub(super) struct Lobe {
     once: Box<dyn Response>,
     /// Y, `[state]`.
     y: Vec<f64>,
+    /// What goes its own way through the front, and the images of all ways; `None` without further ways.
+    by_ways: Option<(Box<Self>, Vec<PlacedImage>)>,
 }
 
 /// Image of the pixels, with the light that is returned to them.
 struct Image {
+    at_mm: [f64; 2],
     /// Fraction of the light at each wavelength.
     fraction: Vec<f64>,
     /// Light of equal reflectances, `[state]`.
     shades: Vec<Vec<Shade>>,
     /// Light of the sharp image that a diffuser spreads, `[state]`; otherwise it belongs to the series.
     sharp: Vec<f64>,
-    /// All other light: by places along x, along y, and in the plane, where these differ.
-    series: Vec<Series>,
+    /// All other light, of each way through the front: by places along x, along y, and in the plane, where these differ.
+    series: Vec<Vec<Series>>,
 }
 
 /// Light of the wavelengths at which a state has the same reflectance under the same face, as they count in
@@ -115,8 +120,7 @@ pub(super) fn response(
     panel.base.reflectance(0.0, &panel.medium, &mut reflectance);
     let light: Vec<f64> = (0..states * bins).map(|at| weights[at % bins] * via_pixel[at]).collect();
     let is_diffused = matches!(panel.top, Top::Diffuser(_));
-    let lobe = is_diffused.then(|| lobe::response(lit, source, weights)).transpose()?;
-    let lobe = lobe.map(|once| Lobe::new(Box::new(once)));
+    let lobe = is_diffused.then(|| Lobe::above(lit, source, weights)).transpose()?;
     let (thickness_mm, reach_mm) = (lit.thickness_mm(), lit.reach_mm()?);
     let most_per_mm = level.most_per_mm.max(HIGHEST / thickness_mm);
     let faces = match known {
@@ -149,8 +153,10 @@ impl Paper {
         let count = (HIGHEST / thickness_mm / step_per_mm).min(MOST_FREQUENCIES) as usize;
         let returned: Vec<Vec<[f64; 2]>> =
             (0..count).map(|k| self.returned(k as f64 * step_per_mm)).collect();
-        for (at_mm, fraction) in images {
-            let shades: Vec<_> = (0..states).map(|state| self.shades_of(state, &fraction)).collect();
+        // The light of an image: its shades, what is sharp, and the rest.
+        let light_of = |(at_mm, fraction): &PlacedImage| {
+            let at_mm = *at_mm;
+            let shades: Vec<_> = (0..states).map(|state| self.shades_of(state, fraction)).collect();
             // What does not change beyond the highest frequency is sharp.
             let alone = match (count as f64) < MOST_FREQUENCIES {
                 true => sum(&shades, &self.returned(0.0), |rho, zero, _| 1.0 - rho * zero),
@@ -174,12 +180,22 @@ impl Paper {
                 Some(spread) => (half(), Some((spread, half()))),
             };
             let rest = Series { step_per_mm, sharp: sharp.clone(), rest, at_mm, inside };
+            (shades, sharp, rest)
+        };
+        let all_of = |(at_mm, fraction): PlacedImage| {
+            let image = (at_mm, fraction);
+            let (shades, sharp, rest) = light_of(&image);
             let series = match &self.lobe {
-                Some(lobe) => lobe.spread(&rest).to_vec(),
-                None => vec![rest],
+                Some(Lobe { by_ways: Some((own, ways)), .. }) => {
+                    ways.iter().map(|way| own.spread(&light_of(way).2).to_vec()).collect()
+                }
+                Some(lobe) => vec![lobe.spread(&rest).to_vec()],
+                None => vec![vec![rest]],
             };
-            self.images.push(Image { fraction, shades, sharp, series });
-        }
+            Image { at_mm, fraction: image.1, shades, sharp, series }
+        };
+        let found: Vec<Image> = images.into_iter().map(all_of).collect();
+        self.images.extend(found);
         self
     }
 
@@ -196,10 +212,10 @@ impl Paper {
         let no_shades = (0..states).map(|state| paper.shades_of(state, &no_light)).collect();
         let own_light: f64 = own.1.iter().sum();
         let (step_per_mm, sharp_of_own) =
-            (paper.images[0].series[0].step_per_mm, paper.images[0].series[0].sharp.clone());
+            (paper.images[0].series[0][0].step_per_mm, paper.images[0].series[0][0].sharp.clone());
         let wide = &mut paper.images[1];
         (wide.fraction, wide.shades) = (no_light, no_shades);
-        for series in &mut wide.series {
+        for series in wide.series.iter_mut().flatten() {
             series.sharp.fill(0.0);
             series.inside = None;
         }
@@ -210,8 +226,9 @@ impl Paper {
             let inside = paper.spread.map(|spread| (spread, sharp.clone()));
             // A single frequency, without light.
             let rest = vec![vec![0.0]; states];
-            let series = vec![Series { step_per_mm, sharp: sharp.clone(), rest, at_mm: *at_mm, inside }];
-            paper.images.push(Image { fraction: fraction.clone(), shades, sharp, series });
+            let series =
+                vec![vec![Series { step_per_mm, sharp: sharp.clone(), rest, at_mm: *at_mm, inside }]];
+            paper.images.push(Image { at_mm: *at_mm, fraction: fraction.clone(), shades, sharp, series });
         }
         paper
     }
@@ -248,7 +265,22 @@ impl Paper {
 impl Lobe {
     fn new(once: Box<dyn Response>) -> Self {
         let y = once.transfer(0, 0.0).iter().map(|y| y.re).collect();
-        Self { once, y }
+        Self { once, y, by_ways: None }
+    }
+
+    /// A diffuser, below a front of one or several components.
+    fn above(lit: Lit<'_>, source: &Source, weights: &[f64]) -> Result<Self, DisplayError> {
+        let lobe = Self::new(Box::new(lobe::response(lit, source, weights)?));
+        let beta = lit.view.field.axis_towards();
+        let image = |way: FrontWay| (displacement(beta, way.air_mm, 1.0), way.fraction.to_vec());
+        let ways: Vec<PlacedImage> =
+            lit.front_ways(lit.level.digits)?.leaving.into_iter().map(image).collect();
+        if ways.iter().all(|(at_mm, _)| *at_mm == [0.0; 2]) {
+            return Ok(lobe);
+        }
+        let alone = Panel { components: Vec::new(), ..lit.panel.clone() };
+        let own = Self::new(Box::new(lobe::response(Lit { panel: &alone, ..lit }, source, weights)?));
+        Ok(Self { by_ways: Some((Box::new(own), ways)), ..lobe })
     }
 
     /// What is left of a modulation along an axis, `[state]`.
@@ -288,13 +320,6 @@ impl Lobe {
         cells.reverse();
         cells.iter_mut().for_each(|light| *light /= self.y[brightest]);
         cells
-    }
-
-    /// The same of the pixels of text.
-    fn about(&self, text: &Text<'_>) -> Vec<f64> {
-        let brightest = self.brightest();
-        let cells = self.once.cells(&text.edges(0), &text.edges(1)).swap_remove(brightest);
-        cells.into_iter().map(|light| light / self.y[brightest]).collect()
     }
 
     fn brightest(&self) -> usize {
@@ -369,14 +394,14 @@ impl Paper {
             for (pair, bins) in known {
                 let rho: Vec<f64> = is_first.iter().map(|first| pair[usize::from(!first)]).collect();
                 let irradiance = recycling.irradiance(&rho, TOLERANCE);
-                for Image { fraction, series, .. } in &self.images {
+                for Image { at_mm, fraction, .. } in &self.images {
                     // Light of each state per its irradiance: that of a page of it has 1/(1 - rho A(0)).
                     let [first, second] = [0, 1].map(|k| {
                         let of_bin = |bin: &usize| fraction[*bin] * self.light[states[k] * self.bins + bin];
                         let page: f64 = bins.iter().map(of_bin).sum();
                         page * (1.0 - pair[k] * zero)
                     });
-                    let shown = shown(cells, series[0].at_mm);
+                    let shown = shown(cells, *at_mm);
                     let light = |cell: usize| irradiance[cell] * if is_first[cell] { first } else { second };
                     let lights: Vec<f64> = (0..cells.len()).map(|cell| light(shown(cell))).collect();
                     let mut found = reduced(&lights);
@@ -425,7 +450,7 @@ impl Paper {
     ) -> Vec<Vec<f64>> {
         let mut sums = Vec::new();
         for Image { series, sharp, .. } in &self.images {
-            add(&mut sums, of_series(&series[number.min(series.len() - 1)]));
+            series.iter().for_each(|series| add(&mut sums, of_series(&series[number.min(series.len() - 1)])));
             let Some(lobe) = &self.lobe else { continue };
             let mut once = of_lobe(&*lobe.once);
             for ((bins, sharp), y) in once.iter_mut().zip(sharp).zip(&lobe.y) {
@@ -452,8 +477,8 @@ impl Response for Paper {
     fn transfer(&self, axis: usize, frequency_per_mm: f64) -> Vec<Complex64> {
         let returned = self.returned(frequency_per_mm);
         let mut sums = vec![Complex64::ZERO; self.reflectance.len() / self.bins];
-        for Image { shades, series, .. } in &self.images {
-            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * series[0].at_mm[axis]);
+        for Image { at_mm, shades, .. } in &self.images {
+            let phase = Complex64::cis(-2.0 * PI * frequency_per_mm * at_mm[axis]);
             let light = sum(shades, &returned, orders(self.spread, frequency_per_mm));
             sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += light * phase);
         }
@@ -555,9 +580,9 @@ impl Response for Paper {
             let (column, row) = (pixel % bitmap.count[0], pixel / bitmap.count[0]);
             (row * parts[1] + parts[1] / 2) * columns + column * parts[0] + parts[0] / 2
         };
-        let kernel = self.lobe.as_ref().map(|lobe| lobe.about(text));
+        let kernel = self.lobe.as_ref().map(|lobe| (on_page.kernel(&*lobe.once), lobe.brightest(), &lobe.y));
         let seen = |light: &[f64]| -> Vec<f64> {
-            let Some(kernel) = &kernel else {
+            let Some((kernel, brightest, y)) = &kernel else {
                 return middles.iter().map(|pixel| light[middle(*pixel)]).collect();
             };
             // Light from elsewhere is that of the page, as in the first pixel.
@@ -565,7 +590,8 @@ impl Response for Paper {
             let mut more = vec![0.0; bitmap.black.len()];
             let part = 1.0 / (parts[0] * parts[1]) as f64;
             light.iter().enumerate().for_each(|(cell, light)| more[pixel(cell)] += part * (light - page));
-            on_page.seen(kernel, &more).into_iter().map(|seen| page + seen).collect()
+            let seen = on_page.seen(kernel, *brightest, &more).into_iter();
+            seen.map(|seen| page + seen / y[*brightest]).collect()
         };
         Some(self.solved(cells, states, &is_black, seen))
     }
@@ -577,7 +603,7 @@ impl Response for Paper {
                 let light = |image: &Image| image.fraction.iter().copied().fold(0.0, f64::max);
                 let least = FAINT_IMAGE * self.images.first().map_or(0.0, light);
                 let bright = self.images.iter().filter(|image| light(image) > least);
-                bright.map(|image| image.series[0].at_mm).collect()
+                bright.map(|image| image.at_mm).collect()
             }
         }
     }

@@ -1,12 +1,14 @@
 //! Patterns of two states and text: means over a period, contrast of strokes.
 
+use std::collections::BTreeSet;
+
 use papilio_fourier::smooth;
 use papilio_imaging::text::{Bitmap, Font, Setting, X_HEIGHT};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::bounds::MOST_PIXELS;
-use super::{Level, Seen};
+use super::{Level, Response, Seen};
 use crate::readability::Reader;
 use crate::scene::Scene;
 
@@ -24,8 +26,9 @@ const MORE_MARGIN: f64 = 1.5;
 /// Largest margins, pixels, at both levels: where they hold, the levels still differ.
 const MOST_MARGINS: [f64; 2] = [120.0, 200.0];
 
-/// Pixels on each side of a stroke whose light a kernel adds.
+/// Pixels on each side of a stroke whose light a kernel adds, and their number.
 const NEIGHBOURS: i64 = 24;
+const SIDE: i64 = 2 * NEIGHBOURS + 1;
 
 /// Patterns and text whose contrast is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -162,9 +165,9 @@ pub(super) fn strokes(
         let lights = response.text(&text, states, level).unwrap_or_else(|| {
             // A white page, less white and more black within black pixels.
             let [black, white] = states;
-            let cells = response.cells(&text.edges(0), &text.edges(1));
+            let kernel = text.kernel(&**response);
             let page = response.transfer(0, 0.0)[white].re;
-            let [more, less] = [black, white].map(|state| text.over_black(&cells[state]));
+            let [more, less] = [black, white].map(|state| text.over_black(&kernel, state));
             more.iter().zip(less).map(|(more, less)| page + more - less).collect()
         });
         sums.iter_mut().zip(lights).for_each(|(sum, light)| *sum += light);
@@ -180,10 +183,39 @@ pub(crate) struct Text<'a> {
     pub(super) middles: &'a [usize],
 }
 
+/// Light of a kernel from some pixels.
+pub(super) struct Tile {
+    /// The pixel in the middle.
+    middle: [i64; 2],
+    /// Rows from the bottom, `[state][cell]`.
+    cells: Vec<Vec<f64>>,
+}
+
 impl Text<'_> {
-    /// Borders of the cells of a kernel along an axis, mm: pixels about the middle one.
-    pub(super) fn edges(&self, axis: usize) -> Vec<f64> {
-        (-NEIGHBOURS..=NEIGHBOURS + 1).map(|k| (k as f64 - 0.5) * self.pitch_mm[axis]).collect()
+    /// Light from pixels about the one that is seen, and about images of it.
+    pub(super) fn kernel(&self, response: &dyn Response) -> Vec<Tile> {
+        let peaks = response.peaks().into_iter().map(|peak| peak.at_mm);
+        let mut tiles = BTreeSet::from([[0; 2]]);
+        for at_mm in peaks.chain(response.images()) {
+            let [x, y] = [0, 1].map(|axis| {
+                let pixel = (at_mm[axis] / self.pitch_mm[axis]).round() as i64;
+                [-1, 1].map(|side| (pixel + side * NEIGHBOURS / 2 + NEIGHBOURS).div_euclid(SIDE))
+            });
+            tiles.extend(x.iter().flat_map(|x| y.map(|y| [*x, y])));
+        }
+        // Beyond the text there is its page.
+        let reaches = |tile: &[i64; 2]| {
+            (0..2).all(|axis| SIDE * tile[axis].abs() - NEIGHBOURS < self.bitmap.count[axis] as i64)
+        };
+        let of_tile = |tile: [i64; 2]| {
+            let middle = tile.map(|at| SIDE * at);
+            let edges = |axis: usize| -> Vec<f64> {
+                let pixels = middle[axis] - NEIGHBOURS..=middle[axis] + NEIGHBOURS + 1;
+                pixels.map(|k| (k as f64 - 0.5) * self.pitch_mm[axis]).collect()
+            };
+            Tile { middle, cells: response.cells(&edges(0), &edges(1)) }
+        };
+        tiles.into_iter().filter(reaches).map(of_tile).collect()
     }
 
     /// The text on a larger page, to which light returns from `reach_mm` away, and the pixels in the middle of
@@ -200,24 +232,28 @@ impl Text<'_> {
     }
 
     /// What a kernel shows of black pixels in the middle of each stroke.
-    pub(super) fn over_black(&self, cells: &[f64]) -> Vec<f64> {
+    pub(super) fn over_black(&self, kernel: &[Tile], state: usize) -> Vec<f64> {
         let light: Vec<f64> = self.bitmap.black.iter().map(|black| f64::from(u8::from(*black))).collect();
-        self.seen(cells, &light)
+        self.seen(kernel, state, &light)
     }
 
     /// What a kernel shows of the light of the pixels in the middle of each stroke; none comes from elsewhere.
-    pub(super) fn seen(&self, cells: &[f64], pixels: &[f64]) -> Vec<f64> {
-        let side = 2 * NEIGHBOURS + 1;
+    pub(super) fn seen(&self, kernel: &[Tile], state: usize, pixels: &[f64]) -> Vec<f64> {
         let [columns, rows] = self.bitmap.count.map(|count| count as i64);
         let one = |pixel: &usize| {
             let (x, y) = (*pixel as i64 % columns, *pixel as i64 / columns);
             let mut light = 0.0;
-            for cell in 0..side * side {
-                // The cell at r shows the pixel at the place of the stroke less r.
-                let (at_x, at_y) = (x - (cell % side - NEIGHBOURS), y - (cell / side - NEIGHBOURS));
-                let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
-                if inside {
-                    light += cells[cell as usize] * pixels[(at_y * columns + at_x) as usize];
+            for Tile { middle, cells } in kernel {
+                for (cell, of_cell) in (0..SIDE * SIDE).zip(&cells[state]) {
+                    // The cell at r shows the pixel at the place of the stroke less r.
+                    let (at_x, at_y) = (
+                        x - middle[0] - (cell % SIDE - NEIGHBOURS),
+                        y - middle[1] - (cell / SIDE - NEIGHBOURS),
+                    );
+                    let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
+                    if inside {
+                        light += of_cell * pixels[(at_y * columns + at_x) as usize];
+                    }
                 }
             }
             light

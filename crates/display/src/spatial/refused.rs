@@ -17,7 +17,8 @@ pub(crate) enum Refused {
     PatternsBelowLayers,
     /// What frequencies below general layers do not cover.
     Layered(NotCovered),
-    /// The common reflectance of several components of a front does not tell how much each of them returns.
+    /// Above a flat face, the common reflectance of several components of a front does not tell how much each of them returns; above
+    /// a diffuser, light may go to and fro between them too often.
     Fronts(SpreadError),
     /// A ghost of one sub-pixel lies on another: the reflectance of the pixel's mean is not enough.
     SubPixelsBelowFaces,

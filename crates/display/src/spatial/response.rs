@@ -1,10 +1,10 @@
 //! What a view sees of each light, by frequency and by place.
 
-use std::borrow::Cow;
-
 use num_complex::Complex64;
 use papilio_optics::Beta;
-use papilio_transport::spatial::{Accuracy, LambertianReturn, Peak, PixelSpread, air_below_front_mm};
+use papilio_transport::spatial::{
+    Accuracy, FrontWays, LambertianReturn, Peak, PixelSpread, SpreadError, air_below_front_mm,
+};
 use papilio_transport::{Panel, Source, Top};
 
 use super::patterns::{Pattern, Text};
@@ -176,36 +176,26 @@ impl Lit<'_> {
         self.panel.gaps_mm.last().copied().unwrap_or_default()
     }
 
-    /// Air between the front and what is below it; 0 if the front returns no light.
+    /// Air between the front and what is below it, of a front above a diffuser all of it; 0 if the front returns no light.
     pub(super) fn air_mm(&self) -> Result<f64, DisplayError> {
         air_below_front_mm(self.panel).map_err(|error| Refused::Fronts(error).into())
     }
 
     /// How far light spreads that is returned: the thickness, or a part of a large distance to the front.
     pub(super) fn reach_mm(&self) -> Result<f64, DisplayError> {
-        let (thickness_mm, air_mm) = (self.thickness_mm(), self.air_of_one_front_mm()?);
+        let (thickness_mm, air_mm) = (self.thickness_mm(), self.air_mm()?);
         Ok(thickness_mm.max(0.25 * (thickness_mm + air_mm)))
     }
 
-    /// Air between a single front and what is below it. Where several components of the front are apart above a
-    /// diffuser, each returns a part of the light: the one that stands for them has the air below all at the
-    /// finer level, and that below the lowest one at the coarse level; the difference bounds the error.
-    pub(super) fn air_of_one_front_mm(&self) -> Result<f64, DisplayError> {
-        self.air_mm().or_else(|error| match (&self.panel.top, self.panel.gaps_mm.split_last()) {
-            (Top::Diffuser(_), Some((_, fronts))) if self.level.is_fine => Ok(fronts.iter().sum()),
-            (Top::Diffuser(_), Some((_, fronts))) => Ok(fronts.last().copied().unwrap_or_default()),
-            _ => Err(error),
-        })
+    /// Ways of light through a front above a diffuser, but for a fraction of it of `digits` natural digits.
+    pub(super) fn front_ways(&self, digits: f64) -> Result<FrontWays, DisplayError> {
+        FrontWays::new(self.panel, (-digits).exp()).map_err(not_computed)
     }
 
     /// What returns to Lambertian pixels, for frequencies up to `most_per_mm`.
     pub(super) fn lambertian_return(&self, most_per_mm: f64) -> Result<Vec<LambertianReturn>, DisplayError> {
         let accuracy = Accuracy { digits: self.level.digits, most_per_mm };
-        let mut panel = Cow::Borrowed(self.panel);
-        if self.air_mm().is_err() {
-            panel.to_mut().gaps_mm = vec![self.air_of_one_front_mm()?, self.thickness_mm()];
-        }
-        LambertianReturn::all(&panel, accuracy).map_err(|error| Refused::Fronts(error).into())
+        LambertianReturn::all(self.panel, accuracy).map_err(not_computed)
     }
 
     /// True if a front returns light to the pixel.
@@ -231,6 +221,16 @@ impl Lit<'_> {
         let leaves = faces.map(|face| (1.0 - face) / (1.0 - face * front));
         let all = leaves[0] + leaves[1];
         [0, 1].map(|k| (faces[k] * front, if all > 0.0 { leaves[k] / all } else { 0.5 }))
+    }
+}
+
+/// Why places are not computed: by adding, if paths follow the light.
+pub(super) fn not_computed(error: SpreadError) -> DisplayError {
+    match error {
+        SpreadError::SeveralFronts | SpreadError::ManyWays => Refused::Fronts(error).into(),
+        SpreadError::ScatteringPixel | SpreadError::Unrefracted => {
+            DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
+        }
     }
 }
 

@@ -20,7 +20,7 @@ use papilio_transport::{Source, Top};
 
 use super::figures::{FigureLight, Figures};
 use super::lobe::{self, LobeResponse};
-use super::meetings::{Meetings, Points, Way};
+use super::meetings::{Air, Meetings, Points, Way};
 use super::patterns::{Pattern, Text};
 use super::response::Lit;
 use super::series::add;
@@ -84,7 +84,10 @@ impl Returned {
             .map(|(once, all)| if *once > 0.0 { (all / once).max(1.0) } else { 1.0 })
             .collect();
         let most = orders.iter().copied().fold(1.0, f64::max);
-        let found = if most > 1.0 + NOTHING { meetings(lit, source, &first, (weights, most)) } else { None };
+        let found = match most > 1.0 + NOTHING {
+            true => meetings(lit, source, &first, (weights, most))?,
+            false => None,
+        };
         let (meetings, figures) = found.unzip();
         let part = |(number, orders): (&f64, &f64)| {
             let more = number * (orders - 1.0);
@@ -104,9 +107,10 @@ fn meetings(
     source: &Source,
     first: &LobeResponse,
     (weights, most): (&[f64], f64),
-) -> Option<(Meetings, FigureLight)> {
-    let Top::Diffuser(diffuser) = &lit.panel.top else { return None };
-    let brightest = first.brightest()?;
+) -> Result<Option<(Meetings, FigureLight)>, DisplayError> {
+    let Top::Diffuser(diffuser) = &lit.panel.top else { return Ok(None) };
+    let Some(brightest) = first.brightest() else { return Ok(None) };
+    let air = Air::new(lit, weights)?;
     let (front, total) = (&lit.panel.front.reflectance_below, weights.iter().sum::<f64>());
     let kept = |(bin, weight): (usize, &f64)| weight * front[bin] * diffuser.transmittance[bin].powi(2);
     let way = Way {
@@ -115,7 +119,7 @@ fn meetings(
         diffuser,
         index: brightest.index,
         glass_mm: lit.thickness_mm(),
-        air_mm: lit.air_of_one_front_mm().unwrap_or_default(),
+        air: &air,
         kept: weights.iter().enumerate().map(kept).sum::<f64>() / total,
     };
     let count = POINTS * ((lit.level.digits - DIGITS) / DIGITS_OF_TWICE).exp2();
@@ -126,7 +130,7 @@ fn meetings(
     let points = Points { count: (part * count) as usize, stream, returned: 1.0 - 1.0 / most };
     let found =
         Meetings::new(&way, &points, lit.panel.base.states(), |beta, rho| brightest.reflectance(beta, rho));
-    Some((found, FigureLight::new(&way, points, lit.panel, weights)))
+    Ok(Some((found, FigureLight::new(&way, points, lit.panel, weights))))
 }
 
 impl Returned {
@@ -212,8 +216,8 @@ impl Response for Returned {
     }
 
     fn text(&self, text: &Text<'_>, [black, white]: [usize; 2], _: Level) -> Option<Vec<f64>> {
-        let cells = self.first.cells(&text.edges(0), &text.edges(1));
-        let [more, less] = [black, white].map(|state| text.over_black(&cells[state]));
+        let kernel = text.kernel(&self.first);
+        let [more, less] = [black, white].map(|state| text.over_black(&kernel, state));
         let first = more.iter().zip(less).map(|(more, less)| self.once[white] + more - less);
         let further = self.figures([black, white]);
         let further = further

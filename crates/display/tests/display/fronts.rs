@@ -108,6 +108,40 @@ fn what_fronts_return_through_a_lobe_is_within_its_stated_error() {
     }
 }
 
+/// Components of a front that are apart reflect light between each other: images of all orders in transfers, lines and text, seen
+/// obliquely by paths, of a narrow and a wide field.
+#[test]
+fn fronts_that_are_apart_above_a_lobe_show_images() {
+    let front = |gap_mm: f64| format!("[[display.front]]\nreflectance = 0.3\ngap_mm = {gap_mm}\n");
+    let lamp = "[lighting]\ndiffuse = 0.6\n[[lighting.directed]]\ntheta_deg = -25\nshare = 0.4\n";
+    let glass = "[display.glass]\nindex = 1.5\nthickness_mm = 0.3\n";
+    for (pixel, field_deg) in everyday(1, [(PAPER, 0.0), (MIRROR, 0.0), (MIRROR, 4.0), (PAPER, 4.0)]) {
+        let view = format!("[viewer]\ntheta_deg = 15\nfield_deg = {field_deg}\n");
+        let matrix = "[display.matrix]\nppi = 200\n";
+        let parts = [&front(4.0), &front(0.1), LOBE, glass, pixel, lamp, &view, matrix];
+        let scenario = resolved(&parts);
+        let exact = computed(&scenario);
+        let worst = deviations(&scenario, &exact, 1 << 15).into_iter().fold(0.0, f64::max);
+        assert!(worst < 4.5, "{pixel} {field_deg}: {worst}");
+        let solver = "[solver]\nmethod = \"monte-carlo\"\npaths = 32768\n";
+        let paths = computed(&resolved(&[&parts[..], &[solver]].concat()));
+        let all = |result: &MtfResult| {
+            let view = &result.views[0];
+            let errors = view.line_contrast_via_pixel_error.named();
+            let lines = view.line_contrast_via_pixel.named().zip(errors);
+            let mut all: Vec<_> =
+                lines.map(|((_, line), (_, error))| (line.unwrap(), error.unwrap())).collect();
+            let error = view.text_contrast_via_pixel_error.unwrap();
+            all.push((view.text_contrast_median_via_pixel.unwrap(), error[1]));
+            all
+        };
+        for ((value, stated), (path, error)) in all(&exact).into_iter().zip(all(&paths)) {
+            let z = ((value - path).abs() - stated) / error;
+            assert!(z < 4.5, "{pixel} {field_deg}: {value} +- {stated}, {path} +- {error}");
+        }
+    }
+}
+
 /// The metrics, too: where the estimate crosses the shape of the first order, the broader one still differs from it.
 #[test]
 fn sharpness_below_fronts_and_lobes_is_within_its_stated_errors() {

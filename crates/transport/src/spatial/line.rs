@@ -82,6 +82,21 @@ impl LineSpread {
         Self { states, pieces, images: points.images().iter().map(image).collect() }
     }
 
+    /// The same light, of which this part is seen, farther away by a displacement along the axis, mm.
+    #[must_use]
+    pub fn moved(&self, by_mm: f64, part: f64) -> Self {
+        let mut moved = self.clone();
+        for piece in &mut moved.pieces {
+            piece.middle += by_mm;
+            piece.orders.iter_mut().chain(&mut piece.before).for_each(|light| *light *= part);
+        }
+        for (at_mm, light) in &mut moved.images {
+            *at_mm += by_mm;
+            light.iter_mut().for_each(|light| *light *= part);
+        }
+        moved
+    }
+
     /// Adds the transform `integral of L(x) exp(-2 pi i f x) dx` of each state at a frequency in cycles per
     /// mm.
     pub fn add_transfer(&self, frequency_per_mm: f64, sums: &mut [Complex64]) {

@@ -12,6 +12,7 @@
 //! - [`Spread`]: what a lobe over a mirror-like pixel shows of its places, to first order.
 //! - [`PointSpread`]: the same by place: strips, rings and cells.
 //! - [`LineSpread`]: its light along one axis, with exact transforms.
+//! - [`FrontWays`]: light that a front of several components reflects to and fro.
 //! - [`PanelSpread`]: what a view sees of the pixel plane of an ordinary panel, by the places of all
 //!   directions.
 //! - [`Recycling`]: a pattern of reflectances in this light, through all orders.
@@ -28,6 +29,7 @@
 mod blur;
 pub mod closed;
 mod face;
+mod fronts;
 mod layered_paper;
 mod layout;
 mod line;
@@ -42,6 +44,7 @@ pub use crate::pixel_spread::PixelSpread;
 pub use crate::window::{Rectangle, Window, shares_by_transfer};
 pub use blur::{PixelSquare, Shapes};
 pub use face::FaceReturn;
+pub use fronts::{FrontWay, FrontWays, fraction_of_order, orders_between};
 pub use layered_paper::LayeredPaper;
 pub use layout::{rows, stripes};
 pub use line::LineSpread;

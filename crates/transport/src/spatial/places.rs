@@ -130,6 +130,23 @@ impl PointSpread<'_> {
         }
     }
 
+    /// The same light, of which this part is seen, farther away by a displacement, mm.
+    pub(super) fn moved(self, by_mm: [f64; 2], part: f64) -> Self {
+        let Self { density, own_mm, mut peaks, mut images, .. } = self;
+        let add = |at_mm: &mut [f64; 2]| (0..2).for_each(|k| at_mm[k] += by_mm[k]);
+        peaks.iter_mut().for_each(|peak| add(&mut peak.at_mm));
+        for image in &mut images {
+            add(&mut image.at_mm);
+            image.weight *= part;
+        }
+        let own_mm = [0, 1].map(|k| own_mm[k] - by_mm[k]);
+        let density = move |beta: Beta| {
+            let [light, beta_squared] = density(beta);
+            [part * light, beta_squared]
+        };
+        Self { density: Box::new(density), own_mm, peaks, images, ..self }
+    }
+
     /// Peaks of the density.
     pub fn peaks(&self) -> &[Peak] {
         &self.peaks

@@ -454,3 +454,113 @@ fn rings_hold_all_light_of_an_asymmetric_sky() {
         assert!((found / all - 1.0).abs() < 2e-3, "{found} {all}");
     }
 }
+
+/// Two and three partial mirrors above a lobe, seen obliquely: light that goes to and fro between them is displaced by twice the way
+/// through the air each time. The sum of all orders multiplies the transfer: of two, `(1 - q)/(1 - q z)` with `q = R r` and
+/// `z = exp(-2 pi i f 2 g tan(theta))`; of three, `r` and `t` of the lower two are such a sum themselves.
+#[test]
+fn fronts_that_are_apart_multiply_the_transfer_by_all_orders() {
+    let (f, theta) = (1.7, 35.0_f64.to_radians());
+    let z = |gap_mm: f64| Complex64::cis(-2.0 * PI * f * 2.0 * gap_mm * theta.tan());
+    let [upper, middle, lower] = [0.4, 0.3, 0.2];
+    // Of the light that leaves: all orders over their sum at f = 0.
+    let two = |z: Complex64| (1.0 - middle * lower) / (1.0 - middle * lower * z);
+    // Above the lowest two, `middle` seen from above has `lower` at twice its distance behind it.
+    let three = |z1: Complex64, z2: Complex64| {
+        let again = 1.0 / (1.0 - middle * lower * z2);
+        let through = (1.0 - middle) * (1.0 - lower) * again;
+        let from_above = middle + (1.0 - middle).powi(2) * lower * z2 * again;
+        (1.0 - upper) * through / (1.0 - upper * from_above * z1)
+    };
+    // The component without a reflection absorbs a tenth each time that light passes.
+    let of_three = three(0.81 * z(0.5), z(0.3)) / three(0.81 * Complex64::ONE, Complex64::ONE);
+    let accuracy = Accuracy { digits: 11.0, most_per_mm: 2.0 };
+    for base in [mirror(0.9), super::common::lambertian(0.6)] {
+        for source in everyday(1, [Source::Beam(Beta { x: -0.3, y: 0.25 }), Source::Diffuse]) {
+            let alone = one_bin(h78(0.05667), base.clone());
+            let found = |components: &[(f64, f64)], lengths: &[f64]| {
+                let panel = Panel { front: super::common::front(components), ..alone.clone() };
+                let stack = thick(&panel.stack(), lengths);
+                // What fronts return is not a part of the spread.
+                let mut panel = stack.panel().unwrap().clone();
+                panel.front.reflectance_below = vec![0.0].into();
+                let spread = PanelSpread::new(&panel, &view(35.0), &source, accuracy).unwrap();
+                let [zero, at_f] = [0.0, f].map(|f| transfer(&spread, &panel, &[[f, 0.0]])[0]);
+                // Along the line of another axis nothing moves.
+                let line = |axis: usize| {
+                    let mut sums = [Complex64::ZERO];
+                    for part in spread.parts() {
+                        let points = spread.point_spread(part);
+                        let line = LineSpread::new(&points, axis, 1, |_, rho| rho[0] = part.through[0]);
+                        line.add_transfer(f, &mut sums);
+                    }
+                    sums[0]
+                };
+                [at_f / zero, line(0), line(1)]
+            };
+            let one = found(&[(upper, 0.0)], &[0.8, 0.4]);
+            let [both, all] = [
+                found(&[(middle, 0.0), (lower, 0.0)], &[0.5, 0.8, 0.4]),
+                found(&[(upper, 0.0), (0.0, 0.1), (middle, 0.0), (lower, 0.0)], &[0.2, 0.3, 0.3, 0.8, 0.4]),
+            ];
+            for (found, expected) in [(both, two(z(0.5))), (all, of_three)] {
+                assert!((found[0] / one[0] - expected).norm() < 5e-5, "{} {expected}", found[0] / one[0]);
+                let ratio = (found[1] / found[2]) / (one[1] / one[2]);
+                assert!((ratio - expected).norm() < 5e-5, "{ratio} {expected}");
+            }
+        }
+    }
+}
+
+/// Two mirrors of 0.3 whose images are a pixel apart: of the light of every second pixel, order k shows the pixels of its own kind
+/// where k is even. The geometric series has `1/(1 + q)` of one kind and `q/(1 + q)` of the other, with `q = 0.09`.
+#[test]
+fn images_between_fronts_show_every_second_pixel_in_turn() {
+    let (pixel_mm, theta) = (0.25, 40.0_f64.to_radians());
+    let gap_mm = 0.5 * pixel_mm / theta.tan();
+    let panel = Panel { front: super::common::front(&[(0.3, 0.0); 2]), ..one_bin(h78(1e-5), mirror(0.9)) };
+    let stack = thick(&panel.stack(), &[gap_mm, 3.0, 0.05]);
+    let accuracy = Accuracy { digits: 16.0, most_per_mm: 4.0 };
+    let spread = PanelSpread::new(stack.panel().unwrap(), &view(40.0), &Source::Diffuse, accuracy).unwrap();
+    let borders: Vec<f64> = (-3..40).map(|k| (f64::from(k) + 0.5) * pixel_mm).collect();
+    let mut kinds = [0.0; 2];
+    for part in spread.parts() {
+        let strips = spread.point_spread(part).strips(0, &borders).sums(|_| part.through[0]);
+        strips.iter().enumerate().for_each(|(k, light)| kinds[(k + 1) % 2] += light);
+    }
+    let odd = kinds[1] / (kinds[0] + kinds[1]);
+    assert!((odd - 0.09 / 1.09).abs() < 1e-4, "{odd}");
+}
+
+/// What two fronts return is the sum over the numbers of trips between them, each from its own height as from a single mirror.
+#[test]
+fn fronts_that_are_apart_return_light_from_all_heights() {
+    let [upper, lower] = [0.4, 0.25];
+    let [upper_mm, lower_mm, glass_mm] = [1.5, 0.4, 0.3];
+    let alone = one_bin(h78(0.05667), super::common::lambertian(0.6));
+    let returned = |components: &[(f64, f64)], lengths: &[f64]| {
+        let panel = Panel { front: super::common::front(components), ..alone.clone() };
+        let stack = thick(&panel.stack(), lengths);
+        let accuracy = Accuracy { digits: 8.0, most_per_mm: 1.0 };
+        LambertianReturn::all(stack.panel().unwrap(), accuracy).unwrap().swap_remove(0)
+    };
+    let found = returned(&[(upper, 0.0), (lower, 0.0)], &[upper_mm, lower_mm, glass_mm]);
+    let heights = (0..4).map(|trips| lower_mm + f64::from(trips) * upper_mm);
+    let mirrors: Vec<_> = heights.map(|mm| returned(&[(1.0, 0.0)], &[mm, glass_mm])).collect();
+    for f in [0.0, 0.05, 0.3] {
+        let mut part = lower;
+        let mut expected = 0.0;
+        for (trips, mirror) in mirrors.iter().enumerate() {
+            expected += part * mirror.at(f);
+            part = (1.0 - lower).powi(2) * upper * (upper * lower).powi(trips as i32);
+        }
+        // The fifth order.
+        assert!((found.at(f) - expected).abs() < 3e-4, "{f}: {} {expected}", found.at(f));
+    }
+    let bright = [(0.99, 0.0); 2];
+    let stack = thick(&Panel { front: super::common::front(&bright), ..alone }.stack(), &[1.0, 1.0, 1.0]);
+    assert_eq!(
+        LambertianReturn::all(stack.panel().unwrap(), ACCURACY).unwrap_err(),
+        papilio_transport::spatial::SpreadError::ManyWays
+    );
+}

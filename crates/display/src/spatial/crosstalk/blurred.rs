@@ -4,7 +4,7 @@
 use papilio_transport::spatial::{Accuracy, PanelSpread};
 use papilio_transport::{Panel, Source};
 
-use super::super::response::Lit;
+use super::super::response::{Lit, not_computed};
 use super::flat::colour;
 use super::frame::Frame;
 use super::measure::Figures;
@@ -48,9 +48,7 @@ impl Frame<'_> {
         let mut panel = Panel { base: self.surfaces.base.clone(), ..whole.clone() };
         // What the front returns is added below.
         panel.front.reflectance_below = vec![0.0; panel.base.bins()].into();
-        let spread = PanelSpread::new(&panel, &view.field, source, accuracy).map_err(|error| {
-            DisplayError::PlacesNotComputed { what: error.to_string(), key: "display".to_owned() }
-        })?;
+        let spread = PanelSpread::new(&panel, &view.field, source, accuracy).map_err(not_computed)?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
         let bases = [&panel.base, &whole.base];
         let (mut once, pages) = gather(&spread, (bases, &panel.medium), weights, &self.windows, &wanted);
@@ -61,7 +59,7 @@ impl Frame<'_> {
             };
             let brightest = spread.parts().iter().max_by(|a, b| through(a).total_cmp(&through(b)));
             let index = brightest.map_or_else(|| panel.medium.largest_index(), |part| part.index());
-            let found = self.returned(lit, (source, index), weights, (all, &pages));
+            let found = self.returned(lit, (source, index), weights, (all, &pages))?;
             let rows = once.page.iter_mut().flatten().zip(found.page.iter().flatten());
             rows.for_each(|(sum, more)| *sum += more);
             returned = Some(found);
@@ -133,17 +131,22 @@ impl Frame<'_> {
         let middles = bitmap.middles().strokes;
         let [columns, rows] = bitmap.count.map(|count| count as i64);
         let mut light = vec![[0.0; 3]; self.parts.len()];
-        for (x, y) in (-NEIGHBOURS..=NEIGHBOURS).flat_map(|y| (-NEIGHBOURS..=NEIGHBOURS).map(move |x| (x, y)))
-        {
+        let parts = self.parts.len();
+        let around = (-NEIGHBOURS..=NEIGHBOURS).flat_map(|y| (-NEIGHBOURS..=NEIGHBOURS).map(move |x| [x, y]));
+        let near = around.map(|pixel| (pixel, &gathered.near[cell(pixel) * parts..][..parts]));
+        let far = gathered.far.iter().map(|(pixel, light)| (*pixel, &light[..]));
+        for ([x, y], lights) in near.chain(far) {
             let is_black = |pixel: &&usize| {
                 let (at_x, at_y) = (**pixel as i64 % columns + x, **pixel as i64 / columns + y);
                 let inside = (0..columns).contains(&at_x) && (0..rows).contains(&at_y);
                 inside && bitmap.black[(at_y * columns + at_x) as usize]
             };
             let fraction = middles.iter().filter(is_black).count() as f64 / middles.len() as f64;
-            let cell = cell([x, y]) * self.parts.len();
-            for (sum, near) in light.iter_mut().zip(&gathered.near[cell..]) {
-                (0..3).for_each(|k| sum[k] += fraction * near[k]);
+            if fraction == 0.0 {
+                continue;
+            }
+            for (sum, more) in light.iter_mut().zip(lights) {
+                (0..3).for_each(|k| sum[k] += fraction * more[k]);
             }
         }
         (!middles.is_empty()).then_some(light)

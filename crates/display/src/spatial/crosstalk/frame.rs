@@ -1,7 +1,6 @@
 //! What all views of crosstalk by adding have in common, and the levels of each.
 
 use papilio_imaging::text::Bitmap;
-use papilio_transport::spatial::air_below_front_mm;
 use papilio_transport::{Panel, Reflector, Top};
 
 use super::super::response::Lit;
@@ -86,8 +85,6 @@ impl<'a> Frame<'a> {
         type Digits = fn(usize) -> f64;
         let of_panel: Digits = |level| DIGITS + MORE_DIGITS * level as f64;
         let (digits, finest, factor) = match self.panel {
-            // What stands for several fronts is bounded by the coarse level only: no further level is computed.
-            Some(panel) if air_below_front_mm(panel).is_err() => (of_panel, 1, 1.0),
             Some(_) => (of_panel, MOST_LEVEL, 1.0),
             None => {
                 let factor = layered::error_over_difference(self.setup);

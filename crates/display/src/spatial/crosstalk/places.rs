@@ -3,6 +3,8 @@
 //! A direction that a view sees shows the pixels, shifted by a vector: what a window or a pixel shows of
 //! another is the area that they share. Areas are exact; only the directions are a sum.
 
+use std::collections::BTreeMap;
+
 use papilio_transport::spatial::{PanelSpread, Part as Directions, Window};
 use papilio_transport::{Base, Medium};
 
@@ -34,6 +36,8 @@ pub(super) struct Gathered {
     pub(super) line: Vec<Colour>,
     /// That of each pixel around, `[row][column][part]`.
     pub(super) near: Vec<Colour>,
+    /// That of pixels farther away, about which a front shows the pixels again; `[part]` by their column and row.
+    pub(super) far: BTreeMap<[i64; 2], Vec<Colour>>,
 }
 
 /// What is gathered: all parts, and those of the page with their fractions.
@@ -96,6 +100,7 @@ pub(super) fn gather(
         stripes: vec![[0.0; 3]; parts],
         line: vec![[0.0; 3]; parts],
         near: vec![[0.0; 3]; SIDE * SIDE * parts],
+        far: BTreeMap::new(),
     };
     let mut lights = vec![[0.0; 3]; base.states()];
     let (mut of_surfaces, mut of_pages) = (vec![0.0; base.states()], vec![0.0; pages.states()]);
@@ -108,6 +113,9 @@ pub(super) fn gather(
             let of = |base: &Base, weights: &[f64]| colour_curves(directions, (base, medium), weights);
             weights.each_ref().map(|weights| [base, pages].map(|base| of(base, weights)))
         });
+        // Pixels about the place where these directions show each at its own.
+        let about = directions.moved_mm();
+        let about = about.map(|at_mm| [0, 1].map(|k| (-at_mm[k] / windows.pitch_mm[k]).round() as i64));
         directions.each_sample(|sample| {
             let beta_squared = sample.beta.squared();
             for (k, [curves, pages]) in curves.iter().enumerate() {
@@ -120,7 +128,7 @@ pub(super) fn gather(
             }
             let shift = [0, 1].map(|k| -sample.place_mm[k] / windows.pitch_mm[k]);
             sums.add_page(windows, shift, &lights, wanted.page);
-            sums.add_pixels(windows, shift, &lights, wanted.parts, &mut areas);
+            sums.add_pixels(windows, (shift, about), &lights, wanted.parts, &mut areas);
         });
         known = Some((curves, directions));
     }
@@ -156,11 +164,12 @@ impl Gathered {
         }
     }
 
-    /// Adds what a whole pixel shows of the pixels around it, shifted by `shift` periods.
+    /// Adds what a whole pixel shows of the pixels around it, shifted by `shift` periods. Of pixels that are farther away, those
+    /// around the pixel `about` are kept, or all.
     fn add_pixels(
         &mut self,
         windows: &Windows,
-        shift: [f64; 2],
+        (shift, about): ([f64; 2], Option<[i64; 2]>),
         lights: &[Colour],
         parts: &[Part],
         areas: &mut [f64],
@@ -177,7 +186,16 @@ impl Gathered {
             windows.areas(extent, areas);
             let pixel = [first[0] as i64 + column as i64, first[1] as i64 + row as i64];
             let is_near = pixel.iter().all(|at| at.abs() <= NEIGHBOURS);
-            let cell = is_near.then(|| cell(pixel) * parts.len());
+            let is_about = |about: [i64; 2]| (0..2).all(|k| (pixel[k] - about[k]).abs() <= NEIGHBOURS);
+            let is_far = !is_near && about.is_none_or(is_about);
+            let mut around = match (is_near, is_far) {
+                (true, _) => self.near.get_mut(cell(pixel) * parts.len()..),
+                (_, true) => {
+                    let far = self.far.entry(pixel).or_insert_with(|| vec![[0.0; 3]; parts.len()]);
+                    Some(&mut far[..])
+                }
+                _ => None,
+            };
             for (number, part) in parts.iter().enumerate() {
                 let area = areas[part.sub_pixel];
                 let light = lights[part.surface].map(|light| area * light);
@@ -188,8 +206,8 @@ impl Gathered {
                 if pixel[0] == 0 {
                     add(&mut self.line[number]);
                 }
-                if let Some(cell) = cell {
-                    add(&mut self.near[cell + number]);
+                if let Some(around) = &mut around {
+                    add(&mut around[number]);
                 }
             }
         }
@@ -197,6 +215,10 @@ impl Gathered {
 
     /// Adds the light of another source.
     pub(super) fn add(&mut self, other: &Self) {
+        for (pixel, more) in &other.far {
+            let sums = self.far.entry(*pixel).or_insert_with(|| vec![[0.0; 3]; more.len()]);
+            sums.iter_mut().zip(more).for_each(|(sum, more)| (0..3).for_each(|k| sum[k] += more[k]));
+        }
         let rows = self.page.iter_mut().flatten().zip(other.page.iter().flatten());
         rows.for_each(|(sum, more)| *sum += more);
         for (sums, more) in [

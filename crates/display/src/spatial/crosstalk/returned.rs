@@ -14,12 +14,13 @@ use papilio_sampling::SampleStream;
 use papilio_transport::{Source, Top};
 
 use super::super::Level;
-use super::super::meetings::{Chain, Points, Way, each_number};
+use super::super::meetings::{Air, Chain, Points, Way, each_number};
 use super::super::response::Lit;
 use super::flat::colour;
 use super::frame::Frame;
 use super::measure::Figures;
 use super::{BLACK, Colour, Figure, add, state};
+use crate::DisplayError;
 use crate::meter::PRIMARIES;
 
 /// Places of a pixel from which each chain is seen, and the numbers of a chain that say where they are.
@@ -107,7 +108,7 @@ impl Frame<'_> {
         (source, index): (&Source, f64),
         weights: &[Vec<f64>; 3],
         (all, once): (&[f64], &[Colour]),
-    ) -> Returned {
+    ) -> Result<Returned, DisplayError> {
         let bins = self.setup.scene.grid.len();
         let exact: Vec<Colour> = all
             .chunks_exact(bins)
@@ -122,18 +123,19 @@ impl Frame<'_> {
         let most = over.fold(0.0, f64::max);
         let mut chains = Chains::new(self, exact);
         if let (Top::Diffuser(diffuser), true) = (&lit.panel.top, most > NOTHING) {
+            let air = Air::new(lit, &weights[1])?;
             let way = Way {
                 view: &lit.view.field,
                 source,
                 diffuser,
                 index,
                 glass_mm: lit.thickness_mm(),
-                air_mm: lit.air_of_one_front_mm().unwrap_or_default(),
+                air: &air,
                 kept: 1.0,
             };
             chains.follow(lit, &way, weights, &points(lit.level, most / (1.0 + most)));
         }
-        chains.found()
+        Ok(chains.found())
     }
 }
 
@@ -223,6 +225,8 @@ impl<'a> Chains<'a> {
                     base.reflectance(beta.squared(), &panel.medium, out);
                     out.iter_mut().for_each(|rho| *rho = rho.max(0.0));
                 }
+                // A factor of the first meeting is one of all.
+                row.surfaces[..surfaces * bins].chunks_exact_mut(bins).for_each(|rho| chain.colour(way, rho));
                 places.clear();
                 chain.each_place(way, |place_mm| places.push(place_mm));
                 // As mixed pages.

@@ -2,17 +2,13 @@
 
 use papilio_optics::Beta;
 
-use super::super::{Accuracy, Sample, displacement};
+use super::super::{Accuracy, Sample, displacement, fraction_of_order, orders_between};
 use super::{Heights, Part, SMOOTH, by_index};
 use crate::adding::{diffuse_shares, smooth_points};
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
 use crate::light::images::{Mirror, image_points};
 use crate::specular::FlatTop;
 use crate::{Cone, Panel, Source};
-
-/// Orders of light between a face and a front of screen above it, on the way to the viewer. The last stands
-/// for all that follow.
-const ORDERS: usize = 4;
 
 /// Nodes across a view for each period of the highest frequency between ghosts.
 const NODES_OF_A_PERIOD: f64 = 2.0;
@@ -28,20 +24,21 @@ pub(super) fn parts(
     (accuracy, by_direction): (Accuracy, bool),
 ) -> Vec<Part> {
     let light = light_of(panel, source, accuracy.digits);
-    let (more, orders) = match by_direction {
-        true => (accuracy.most_per_mm * ghosts_apart_mm(panel, heights, view), 1),
-        false => (0.0, ORDERS),
+    let (more, left) = match by_direction {
+        true => (accuracy.most_per_mm * ghosts_apart_mm(panel, heights, view), 1.0),
+        false => (0.0, (-accuracy.digits).exp()),
     };
     let points = seen_points(panel, view, source, (accuracy.digits, NODES_OF_A_PERIOD * more));
-    in_directions((panel, heights), &points, light.as_deref(), orders)
+    in_directions((panel, heights), &points, light.as_deref(), left)
 }
 
-/// Returns the parts of these directions; `light` as of [`light_of`].
+/// Returns the parts of these directions; `light` as of [`light_of`]. Light between a face and a front of screen above it, on the
+/// way to the viewer, is followed until the fraction `left` of it is left.
 pub(super) fn in_directions(
     (panel, heights): (&Panel, Heights),
     points: &[Point],
     light: Option<&[f64]>,
-    most_orders: usize,
+    left: f64,
 ) -> Vec<Part> {
     let bins = panel.base.bins();
     let each = panel.of_each();
@@ -54,17 +51,14 @@ pub(super) fn in_directions(
             face.set_surface(one, point.beta.squared());
         }
         let between = |face: &FlatTop, bin: usize| face.above[bin] * panel.front.reflectance_below[bin];
-        let is_apart = heights.front_mm > 0.0
-            && tops.iter().any(|[_, face]| (0..bins).any(|bin| between(face, bin) > 0.0));
-        let orders = if is_apart { most_orders } else { 1 };
+        let of_top = |[_, face]: &[FlatTop; 2]| (0..bins).map(|bin| between(face, bin)).fold(0.0, f64::max);
+        let largest = tops.iter().map(of_top).fold(0.0, f64::max);
+        let orders = if heights.front_mm > 0.0 { orders_between(largest, left) } else { 1 };
         let air = displacement(point.beta, 2.0 * heights.front_mm, 1.0);
         for (index, group) in by_index(panel) {
             for order in 0..orders {
                 // Fraction of what leaves that does so in this order.
-                let part = |between: f64| {
-                    let last = order + 1 == orders;
-                    between.powi(order as i32) * if last { 1.0 } else { 1.0 - between }
-                };
+                let part = |between: f64| fraction_of_order(between, order, orders);
                 let through = |bin: usize| {
                     let of = |[flat, face]: &[FlatTop; 2]| {
                         let entering = light.map_or(flat.t[bin], |light| light[bin]);

@@ -7,8 +7,8 @@ use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
 use super::super::spread::{Bundle, FieldLight, Incoming, Pair};
-use super::super::{Accuracy, Gap, Sample};
-use super::{Heights, Part, SMOOTH, by_index};
+use super::super::{Accuracy, FrontWay, Gap, Sample, displacement};
+use super::{Heights, Moved, Part, SMOOTH, by_index};
 use crate::adding::Shares;
 use crate::layers::Indices;
 use crate::light::cone_points::{Nodes, Point, cone_points_of, disc_points, smooth_at};
@@ -19,10 +19,25 @@ use crate::{Cone, Diffuser, Panel, Source};
 /// Error of one direction in the place of a field of view, in those of the weights, times 8.
 const NARROW: f64 = 16.0;
 
-/// Returns the parts of scattered light, one for each index, and those of sharp images.
+/// Digits of the mean over a field of view of light that goes to and fro in the front, as a part of all digits and more than
+/// that: it is a small part of all.
+const DIGITS_OF_WAYS: [f64; 2] = [0.5, 2.0];
+
+/// Digits below which all directions are seen as one.
+const FEWEST_DIGITS: f64 = 1.0;
+
+/// Inclination in air up to which the places of a field are resolved, radians.
+const GRAZING: f64 = 1.4;
+
+/// Half-angle of a narrow field, radians: directions that are so close see the same through the lobe, about their own rays. What
+/// is seen farther away, at places that differ, is wrong by less than a hundredth.
+const CLOSE: f64 = 0.01;
+
+/// Returns the parts of scattered light, one for each index and way through the front, and those of sharp images. Without ways,
+/// all light goes the own way of the view.
 pub(super) fn parts(
     (panel, diffuser): (&Panel, &Diffuser),
-    heights: Heights,
+    (heights, leaving): (Heights, &[FrontWay]),
     view: &Cone,
     source: &Source,
     (accuracy, by_direction): (Accuracy, bool),
@@ -36,15 +51,45 @@ pub(super) fn parts(
     // A Lambertian pixel sends its light everywhere; what it receives is a factor.
     let light = if is_mirror { light } else { Incoming::Pixel };
     let bins = panel.base.bins();
+    let own = FrontWay { air_mm: 0.0, fraction: vec![1.0; bins].into() };
+    let ways = if leaving.is_empty() { std::slice::from_ref(&own) } else { leaving };
+    let beside: Vec<_> = ways.iter().skip(1).map(|way| over.beside(view, source, way)).collect();
     let mut parts = Vec::new();
     for (number, (index, factor)) in indices.nodes.iter().zip(&factors).enumerate() {
         let gap = Gap { index: *index, thickness_mm: heights.glass_mm };
-        let through = |bin: usize| factor * over.through(bin) * indices.blend_at(number, bin);
-        let through: Arc<[f64]> = (0..bins).map(through).collect();
-        for seen in &seen {
-            let pair = Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy);
-            let (images, through) = (Vec::new(), Arc::clone(&through));
+        let pair = |seen: &Bundle| Arc::new(Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy));
+        let through = |way: &FrontWay| -> Arc<[f64]> {
+            let of =
+                |bin: usize| factor * over.through(bin) * indices.blend_at(number, bin) * way.fraction[bin];
+            (0..bins).map(of).collect()
+        };
+        let mut add = |through: &Arc<[f64]>, pair: Moved| {
+            let (images, through) = (Vec::new(), Arc::clone(through));
             parts.push(Part { images, through, index: *index, pair: Some(pair) });
+        };
+        let through_own = through(&ways[0]);
+        let pairs: Vec<Arc<Pair>> = seen.iter().map(pair).collect();
+        for pair in &pairs {
+            add(&through_own, Moved { pair: Arc::clone(pair), by_mm: [0.0; 2], part: 1.0, digits_less: 0.0 });
+        }
+        for (way, directions) in ways.iter().skip(1).zip(&beside) {
+            let through = through(way);
+            let by_mm = |point: &Point| displacement(point.beta, way.air_mm, 1.0);
+            let digits_less = -largest(way).ln();
+            let mut add = |pair, by_mm, part| add(&through, Moved { pair, by_mm, part, digits_less });
+            match (&directions[..], &pairs[..]) {
+                ([only], _) => {
+                    let pairs = pairs.iter().map(Arc::clone);
+                    pairs.for_each(|pair| add(pair, by_mm(only), 1.0));
+                }
+                (all, [own]) if view.half_angle() <= CLOSE && own.view.points.len() == 1 => {
+                    all.iter().for_each(|point| add(Arc::clone(own), by_mm(point), point.weight));
+                }
+                (all, _) => {
+                    let own = |point: &Point| pair(&Bundle::point(point.beta));
+                    all.iter().for_each(|point| add(own(point), by_mm(point), point.weight));
+                }
+            }
         }
     }
     // Sharp images are not interpolated between indices: each wavelength has its place.
@@ -55,17 +100,49 @@ pub(super) fn parts(
     let images = if is_mirror { over.images(view, source) } else { Vec::new() };
     for (index, group) in by_index(panel) {
         let gap = Gap { index, thickness_mm: heights.glass_mm };
-        let through = |bin: usize| if group.contains(&bin) { received(bin) * over.through(bin) } else { 0.0 };
-        // Each direction sees such an image at its own ray.
-        let image = |point: &Point| Sample { beta: point.beta, place_mm: [0.0; 2], weight: point.weight };
         let sharp = |seen: &Bundle| Pair::new(diffuser, gap, seen.clone(), light.clone(), accuracy).sharp();
-        let images: Vec<Sample> = seen.iter().flat_map(sharp).chain(images.iter().map(image)).collect();
-        if !images.is_empty() {
-            let through = (0..bins).map(through).collect();
-            parts.push(Part { images, through, index, pair: None });
+        let moved = |sample: Sample, by_mm: [f64; 2]| Sample {
+            place_mm: [0, 1].map(|k| sample.place_mm[k] + by_mm[k]),
+            ..sample
+        };
+        // Each direction sees the image of a source at its own ray.
+        let image = |point: &Point, way: &FrontWay| Sample {
+            beta: point.beta,
+            place_mm: displacement(point.beta, way.air_mm, 1.0),
+            weight: point.weight,
+        };
+        for (number, way) in ways.iter().enumerate() {
+            let through = |bin: usize| match group.contains(&bin) {
+                true => received(bin) * over.through(bin) * way.fraction[bin],
+                false => 0.0,
+            };
+            let mut samples: Vec<Sample> = Vec::new();
+            match number.checked_sub(1) {
+                None => samples.extend(seen.iter().flat_map(sharp)),
+                Some(number) => {
+                    let of_point = |point: &Point| {
+                        let own = [Bundle { points: vec![*point], ..Bundle::point(point.beta) }];
+                        let bundles = if beside[number].len() == 1 { &seen[..] } else { &own };
+                        let by_mm = displacement(point.beta, way.air_mm, 1.0);
+                        let all: Vec<Sample> = bundles.iter().flat_map(sharp).collect();
+                        all.into_iter().map(move |sample| moved(sample, by_mm))
+                    };
+                    samples.extend(beside[number].iter().flat_map(of_point));
+                }
+            }
+            samples.extend(images.iter().map(|point| image(point, way)));
+            if !samples.is_empty() {
+                let through = (0..bins).map(through).collect();
+                parts.push(Part { images: samples, through, index, pair: None });
+            }
         }
     }
     parts
+}
+
+/// Returns the largest fraction of the light that a way has.
+fn largest(way: &FrontWay) -> f64 {
+    way.fraction.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// Returns the mirror image of a beam, of its light that is never scattered.
@@ -156,6 +233,23 @@ impl Diffused<'_> {
         bundles.retain(|bundle| !bundle.points.is_empty());
         let own = |bundle: Bundle| if let [only] = bundle.points[..] { alone(&only) } else { bundle };
         bundles.into_iter().map(own).collect()
+    }
+
+    /// Directions of view that see an order of light between parts of the front at places of their own.
+    fn beside(&self, view: &Cone, source: &Source, way: &FrontWay) -> Vec<Point> {
+        let [part, more] = DIGITS_OF_WAYS;
+        let digits = part * self.accuracy.digits + more + largest(way).ln();
+        let farthest = view.axis_towards().length().min(1.0).asin() + view.half_angle();
+        let per_radian = way.air_mm / farthest.min(GRAZING).cos().powi(2);
+        let phase = 2.0 * PI * self.accuracy.most_per_mm * per_radian * view.half_angle();
+        // Images of a light move.
+        let moves = self.panel.base.is_specular() && *source != Source::Diffuse;
+        let of_lobe = if moves { 2.0 * view.half_angle() / self.width() } else { 0.0 };
+        if digits < FEWEST_DIGITS {
+            return vec![Point { beta: view.axis_towards(), weight: 1.0 }];
+        }
+        let directions = view.directions(phase.max(of_lobe), digits);
+        directions.into_iter().map(|(beta, weight)| Point { beta, weight }).collect()
     }
 
     fn arriving(&self, view: &Cone, source: &Source) -> Incoming {

@@ -5,9 +5,11 @@ use std::fmt;
 /// Reason why the spread of a panel cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpreadError {
-    /// Several components of the front of screen at different heights may reflect light to the pixel; their
+    /// Several components of the front of screen at different heights above a flat face may reflect light to the pixel; their
     /// common reflectance does not tell how much each of them does.
     SeveralFronts,
+    /// Light goes to and fro between components of the front of screen too often to be followed.
+    ManyWays,
     /// The pixel scatters by a kernel of its own.
     ScatteringPixel,
     /// Light does not refract at a face of another index than the glass: places are not defined.
@@ -20,6 +22,10 @@ impl fmt::Display for SpreadError {
             Self::SeveralFronts => {
                 "several components of the front of screen lie between the pixel and a reflection (expected one with a gap); the \
                  Monte Carlo solver follows light between them"
+            }
+            Self::ManyWays => {
+                "components of the front of screen send light to and fro between them too often (expected products of the reflectances \
+                 of two of them below 0.9)"
             }
             Self::ScatteringPixel => {
                 "the pixel scatters by a kernel of its own (expected a mirror or a Lambertian pixel)"

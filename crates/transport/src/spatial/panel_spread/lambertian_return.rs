@@ -3,14 +3,14 @@
 //!
 //! **What.** A flat face alone returns `A(f)` of [`FaceReturn`]; a front of screen above an air gap adds the
 //! orders of light between the two, each a [`FrontReturn`] with a longer way. Below a diffuser only the front
-//! returns light, through its lobe ([`lobe_return`]). These decrease quickly with the frequency: light
+//! returns light, through its lobe ([`lobe_return`]), by each of its ways ([`FrontWays`]) from its own height. These decrease quickly with the frequency: light
 //! through a gap has no sharp edge. They are Chebyshev polynomials on panels that widen with the frequency,
 //! up to [`HIGHEST`].
 
 use std::sync::Arc;
 
 use super::super::face::{FrontReturn, POINTS_OF_TABLE, chebyshev, clenshaw};
-use super::super::{Accuracy, FaceReturn};
+use super::super::{Accuracy, FaceReturn, FrontWay, FrontWays};
 use super::{Heights, SpreadError, lobe_return};
 use crate::layers::Indices;
 use crate::{Diffuser, Panel, Top};
@@ -34,6 +34,9 @@ const HIGHEST_OF_LOBE: f64 = 3.0;
 const FAINTEST: f64 = 1e-5;
 const MOST_ORDERS: usize = 6;
 
+/// Fraction of the light between components of a front that the farthest way has: it returns far away.
+const WAYS_LEFT: f64 = 1e-4;
+
 /// Light that the layers above return to Lambertian pixels at wavelengths with the same return.
 #[derive(Debug, Clone)]
 pub struct LambertianReturn {
@@ -52,7 +55,8 @@ impl LambertianReturn {
     /// Prepares the return of a flat face or a diffuser, and of a front above it.
     ///
     /// # Errors
-    /// If several components of the front reflect at different heights.
+    /// If several components of the front reflect at different heights above a flat face, or light goes to and fro between them
+    /// too often.
     pub fn all(panel: &Panel, accuracy: Accuracy) -> Result<Vec<Self>, SpreadError> {
         let heights = Heights::new(panel)?;
         let index = panel.medium.index();
@@ -64,18 +68,29 @@ impl LambertianReturn {
             Top::Fresnel(_) | Top::IdealAr => panel.front.reflectance_below[bin],
         };
         let largest = (0..index.len()).map(front).fold(0.0, f64::max);
+        // Each component of a front above a diffuser returns light from its own height.
+        let ways = match &panel.top {
+            Top::Diffuser(_) if largest > 0.0 => FrontWays::new(panel, WAYS_LEFT)?.returned,
+            _ => vec![FrontWay { air_mm: 0.0, fraction: vec![1.0; index.len()].into() }],
+        };
         let indices = (largest > 0.0).then(|| Indices::new(&panel.medium, accuracy.digits));
-        let tables: Vec<Arc<[Tabulated]>> = indices
-            .iter()
-            .flat_map(|indices| &indices.nodes)
-            .map(|index| match &panel.top {
-                Top::Diffuser(diffuser) => through_lobe(diffuser, *index, heights, accuracy.digits),
-                Top::Fresnel(_) | Top::IdealAr => orders(panel, *index, heights, largest),
-            })
-            .collect();
+        let table = |index: f64, way: &FrontWay| match &panel.top {
+            Top::Diffuser(diffuser) => {
+                let heights = Heights { front_mm: 0.5 * way.air_mm, ..heights };
+                through_lobe(diffuser, index, heights, accuracy.digits)
+            }
+            Top::Fresnel(_) | Top::IdealAr => orders(panel, index, heights, largest),
+        };
+        // By index and way.
+        let nodes = indices.iter().flat_map(|indices| &indices.nodes);
+        let tables: Vec<Vec<Arc<[Tabulated]>>> =
+            nodes.map(|index| ways.iter().map(|way| table(*index, way)).collect()).collect();
         let mut all: Vec<Self> = Vec::new();
         for bin in 0..index.len() {
-            let same = |one: &&mut Self| one.index == index[bin] && one.front == front(bin);
+            let same = |one: &&mut Self| {
+                let is_same_way = |way: &FrontWay| way.fraction[one.bins[0]] == way.fraction[bin];
+                one.index == index[bin] && one.front == front(bin) && ways.iter().all(is_same_way)
+            };
             if let Some(known) = all.iter_mut().find(same) {
                 known.bins.push(bin);
                 continue;
@@ -86,12 +101,17 @@ impl LambertianReturn {
                 let face = || FaceReturn::new(index[bin], heights.glass_mm, accuracy.most_per_mm, passes);
                 (!matches!(panel.top, Top::Diffuser(_))).then(|| face().tabulated())
             });
-            let blend = |(node, table): (usize, &Arc<[Tabulated]>)| {
+            let blend = |(node, tables): (usize, &Vec<Arc<[Tabulated]>>)| -> Vec<_> {
                 let weight = indices.as_ref().map_or(0.0, |indices| indices.blend_at(node, bin));
-                (weight, table.clone())
+                let of_way = |(way, table): (&FrontWay, &Arc<[Tabulated]>)| {
+                    (weight * way.fraction[bin], table.clone())
+                };
+                ways.iter().zip(tables).map(of_way).collect()
             };
-            let orders =
-                if front(bin) > 0.0 { tables.iter().enumerate().map(blend).collect() } else { Vec::new() };
+            let orders = match front(bin) > 0.0 {
+                true => tables.iter().enumerate().flat_map(blend).collect(),
+                false => Vec::new(),
+            };
             all.push(Self { bins: vec![bin], index: index[bin], front: front(bin), face, orders });
         }
         Ok(all)

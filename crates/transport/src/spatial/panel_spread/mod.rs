@@ -24,16 +24,19 @@ pub use error::SpreadError;
 pub use lambertian_return::LambertianReturn;
 pub(in crate::spatial) use lambertian_return::Tabulated;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use papilio_optics::Beta;
 
 use super::spread::Pair;
-use super::{Accuracy, Image, PointSpread, Sample};
+use super::{Accuracy, FrontWays, Image, PointSpread, Sample};
 use crate::light::cone_points::Point;
 use crate::{Cone, Panel, Reflector, Source, Top};
 
 /// Directions and places with a common factor for each wavelength.
+///
+/// Light that is reflected to and fro between components of a front is a part of its own for each of its ways.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     /// Sharp images.
@@ -44,7 +47,7 @@ pub struct Part {
     /// Index of the glass.
     index: f64,
     /// The diffuser, of light at all places; otherwise each sample is a sharp image.
-    pair: Option<Pair>,
+    pair: Option<Moved>,
 }
 
 impl Part {
@@ -57,15 +60,55 @@ impl Part {
     /// everything. Samples are not stored: of lobes much narrower than a source there are millions.
     pub fn each_sample(&self, mut each: impl FnMut(Sample)) {
         self.images.iter().copied().for_each(&mut each);
-        if let Some(pair) = &self.pair {
-            pair.each_scattered(&mut each);
+        if let Some(Moved { pair, by_mm, part, digits_less }) = &self.pair {
+            let digits = (pair.accuracy.digits - digits_less).max(FEWEST_DIGITS.min(pair.accuracy.digits));
+            let mut pair = Cow::Borrowed(&**pair);
+            if *digits_less > 0.0 {
+                pair.to_mut().accuracy.digits = digits;
+            }
+            pair.each_scattered(&mut |sample: Sample| {
+                let place_mm = [0, 1].map(|k| sample.place_mm[k] + by_mm[k]);
+                each(Sample { place_mm, weight: part * sample.weight, ..sample });
+            });
         }
+    }
+
+    /// How far away the view sees this part of scattered light, because it was reflected in the front, mm.
+    pub fn moved_mm(&self) -> Option<[f64; 2]> {
+        self.pair.as_ref().map(|pair| pair.by_mm)
+    }
+
+    /// How far away, mm, and which part of another part's light this one is, if it has the same directions and, but for a common
+    /// factor, the same spectrum.
+    pub fn moved_from(&self, other: &Self) -> Option<([f64; 2], f64)> {
+        let (own, before) = self.pair.as_ref().zip(other.pair.as_ref())?;
+        if self.index != other.index || !Arc::ptr_eq(&own.pair, &before.pair) || before.part == 0.0 {
+            return None;
+        }
+        let pairs = || self.through.iter().zip(&*other.through);
+        let factor = match Arc::ptr_eq(&self.through, &other.through) {
+            true => 1.0,
+            false => pairs().find(|(_, other)| **other != 0.0).map_or(0.0, |(own, other)| own / other),
+        };
+        let is_same = pairs().all(|(own, other)| (own - factor * other).abs() <= 1e-12 * own.abs());
+        let by_mm = [0, 1].map(|k| own.by_mm[k] - before.by_mm[k]);
+        is_same.then_some((by_mm, factor * own.part / before.part))
     }
 
     /// Returns whether another part has the same index and the same factors.
     pub fn is_weighted_like(&self, other: &Self) -> bool {
         self.index == other.index && Arc::ptr_eq(&self.through, &other.through)
     }
+}
+
+/// Scattered light, of which a part is seen farther away.
+#[derive(Debug, Clone, PartialEq)]
+struct Moved {
+    pair: Arc<Pair>,
+    by_mm: [f64; 2],
+    part: f64,
+    /// How many natural digits fewer its samples have, because it is faint.
+    digits_less: f64,
 }
 
 /// What a view sees of the pixel plane in the light of one source.
@@ -86,6 +129,9 @@ struct Heights {
 /// Lowest index of the glass; a lower one is taken as this.
 const LEAST_INDEX: f64 = 1.0 + 1e-7;
 
+/// Fewest natural digits of faint light.
+const FEWEST_DIGITS: f64 = 5.0;
+
 /// Angle over which the reflectances of interfaces and pixels change, radians.
 const SMOOTH: f64 = 0.3;
 
@@ -97,7 +143,8 @@ impl Heights {
         let returns = !panel.single_pass && panel.front.reflectance_below.max() > 0.0;
         // A component above the highest one that reflects has no length.
         let apart = fronts.iter().skip_while(|gap| **gap == 0.0).count() > 1;
-        if returns && apart {
+        // Above a diffuser each has its own ways ([`FrontWays`](super::FrontWays)).
+        if returns && apart && !matches!(panel.top, Top::Diffuser(_)) {
             return Err(SpreadError::SeveralFronts);
         }
         Ok(Self { front_mm: if returns { fronts.iter().sum() } else { 0.0 }, glass_mm })
@@ -105,10 +152,10 @@ impl Heights {
 }
 
 /// Returns the length of the air between the front of screen and what is below it, mm; 0 if the front returns
-/// no light.
+/// no light. Above a diffuser it is that of all air.
 ///
 /// # Errors
-/// If several components of the front reflect at different heights.
+/// If several components of the front reflect at different heights above a flat face.
 pub fn air_below_front_mm(panel: &Panel) -> Result<f64, SpreadError> {
     Ok(Heights::new(panel)?.front_mm)
 }
@@ -164,7 +211,13 @@ impl PanelSpread {
         let panel = refracting.as_ref().unwrap_or(panel);
         let parts = match &panel.top {
             Top::Diffuser(diffuser) => {
-                diffused::parts((panel, diffuser), heights, view, source, (accuracy, by_direction))
+                // Light by direction has its way through the front in its transmittance.
+                let leaving = match by_direction {
+                    true => None,
+                    false => Some(FrontWays::new(panel, (-accuracy.digits).exp())?.leaving),
+                };
+                let leaving = leaving.as_deref().unwrap_or_default();
+                diffused::parts((panel, diffuser), (heights, leaving), view, source, (accuracy, by_direction))
             }
             Top::IdealAr | Top::Fresnel(_) => {
                 bare::parts(panel, heights, view, source, (accuracy, by_direction))
@@ -182,7 +235,7 @@ impl PanelSpread {
             Top::Diffuser(diffuser) => diffused::image((panel, diffuser), beta),
             Top::IdealAr | Top::Fresnel(_) => {
                 let heights = Heights::new(panel)?;
-                bare::in_directions((panel, heights), &[Point { beta, weight: 1.0 }], None, 1)
+                bare::in_directions((panel, heights), &[Point { beta, weight: 1.0 }], None, 1.0)
             }
         };
         Ok(Self { parts })
@@ -196,7 +249,10 @@ impl PanelSpread {
     /// Returns a part of the light by place.
     pub fn point_spread<'a>(&self, part: &'a Part) -> PointSpread<'a> {
         match &part.pair {
-            Some(pair) => pair.point_spread(),
+            Some(Moved { pair, by_mm, part, .. }) if *by_mm == [0.0; 2] && *part == 1.0 => {
+                pair.point_spread()
+            }
+            Some(Moved { pair, by_mm, part, .. }) => pair.point_spread().moved(*by_mm, *part),
             None => PointSpread::of_images(part.images.iter().map(Image::from)),
         }
     }
