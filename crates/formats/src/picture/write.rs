@@ -1,8 +1,9 @@
 //! Writers of pictures: what a panel gets, and what a reader sees.
 
+use std::collections::HashSet;
 use std::io::{self, Write};
 
-use png::{BitDepth, ColorType, DeflateCompression, Encoder, SrgbRenderingIntent};
+use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter, SrgbRenderingIntent};
 
 /// Writes the states of a picture as an indexed PNG, 8 bits a pixel: `palette` has the encoded sRGB colour of
 /// each state, and the pixels the number of their state. The first row is at the top.
@@ -39,6 +40,7 @@ pub(crate) fn write_named_png(
     encoder.set_depth(BitDepth::Eight);
     // More effort takes four times as long for a tenth less.
     encoder.set_deflate_compression(DeflateCompression::Level(4));
+    encoder.set_filter(Filter::NoFilter);
     encoder.set_palette(palette.concat());
     if let Some((keyword, text)) = text {
         encoder.add_itxt_chunk(keyword.to_owned(), text.to_owned())?;
@@ -63,6 +65,9 @@ pub fn write_rgb_png(
     encoder.set_depth(BitDepth::Eight);
     // More effort hardly makes halftones smaller.
     encoder.set_deflate_compression(DeflateCompression::Level(1));
+    if has_few_colours(pixels) {
+        encoder.set_filter(Filter::NoFilter);
+    }
     if !is_display_p3 {
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
         return finish(encoder, pixels.as_flattened());
@@ -72,6 +77,16 @@ pub fn write_rgb_png(
     writer.write_chunk(png::chunk::ChunkType(*b"cICP"), &[12, 13, 0, 1])?;
     writer.write_image_data(pixels.as_flattened())?;
     Ok(writer.finish()?)
+}
+
+/// Pixels of which the colours are counted.
+const SAMPLES: usize = 4096;
+
+/// Whether a picture seems to have the colours of a few states only: such a file without differences of neighbours is smaller, and written
+/// in half of the time.
+fn has_few_colours(pixels: &[[u8; 3]]) -> bool {
+    let samples = pixels.iter().step_by((pixels.len() / SAMPLES).max(1));
+    samples.collect::<HashSet<_>>().len() <= 32
 }
 
 /// Writes rows of bytes with 1 bit for each pixel as a PNG of black (0) and white (1).
@@ -104,7 +119,7 @@ pub fn write_scene_exr(
     out: &mut dyn Write,
     columns: usize,
     pixels: usize,
-    linear: impl Fn(usize) -> [f32; 3],
+    mut linear: impl FnMut(usize) -> [f32; 3],
     white_cd_m2: Option<f32>,
 ) -> io::Result<()> {
     let [width, height] = size(columns, pixels)?;
