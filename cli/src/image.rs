@@ -280,9 +280,8 @@ impl ImageOutput {
     fn write_linear(&self, folder: &Path) -> Result<(), Failure> {
         let ImageResult { seen, white_cd_m2, .. } = &self.here;
         let [across, _] = self.here.seen_size();
-        let linear = |sample| self.here.linear(sample);
         Ok(write_file(&folder.join(LINEAR), |out| {
-            write_scene_exr(out, across, seen.len(), linear, Some(*white_cd_m2))
+            write_scene_exr(out, across, seen.len(), self.here.linear(), Some(*white_cd_m2))
         })?)
     }
 

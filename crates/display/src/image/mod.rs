@@ -30,6 +30,7 @@ mod known;
 mod lamps;
 mod light;
 mod masks;
+mod memo;
 mod natural;
 mod neutrals;
 mod perspective;
@@ -58,6 +59,7 @@ use held::{Brought, Lit};
 pub use held::{Factors, HeldPicture, LightPicture};
 pub use known::KnownLights;
 pub use lamps::LampImage;
+use memo::Memo;
 pub use natural::{Adjustments, Rendition};
 pub use neutrals::Neutrals;
 pub use papilio_colour::ScreenSpace;
@@ -436,15 +438,18 @@ struct OnScreen {
 impl OnScreen {
     /// `shown_as` adapts X, Y, Z to what is white on the screen.
     fn of(seen: &[[f32; 3]], shown_as: &Adaptation, space: ScreenSpace, threads: usize) -> Self {
-        let on_screen = |sample: &[f32; 3]| space.linear(shown_as.apply(colour(*sample)));
+        let on_screen = |sample: [f32; 3]| {
+            let shown = space.linear(shown_as.apply(colour(sample)));
+            let is_clipped = shown.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+            (with_hue(shown).map(encoded_byte), is_clipped)
+        };
         let mut bytes = vec![[0; 3]; seen.len()];
         let clipped = in_chunks(threads, &mut bytes, |first, bytes| {
-            let mut clipped = 0;
+            let (mut memo, mut clipped) = (Memo::new(), 0);
             for (bytes, sample) in bytes.iter_mut().zip(&seen[first..]) {
-                let shown = on_screen(sample);
-                let is_clipped = shown.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
+                let is_clipped;
+                (*bytes, is_clipped) = memo.of(*sample, on_screen);
                 clipped += usize::from(is_clipped);
-                *bytes = with_hue(shown).map(encoded_byte);
             }
             clipped
         });
@@ -482,9 +487,15 @@ impl ImageResult {
         &self.to_d65
     }
 
-    /// Linear red, green and blue of a sample of [`seen`](Self::seen) with sRGB's primaries, adapted to D65, a perfect white 1; not clipped.
-    pub fn linear(&self, sample: usize) -> [f32; 3] {
-        self.to_d65.apply(colour(self.seen[sample])).linear_srgb().map(|value| value as f32)
+    /// A function that returns linear red, green and blue of a sample of [`seen`](Self::seen) with sRGB's primaries, adapted to D65, a perfect
+    /// white 1; not clipped.
+    pub fn linear(&self) -> impl FnMut(usize) -> [f32; 3] {
+        let mut memo = Memo::new();
+        move |sample| {
+            memo.of(self.seen[sample], |seen| {
+                self.to_d65.apply(colour(seen)).linear_srgb().map(|value| value as f32)
+            })
+        }
     }
 }
 

@@ -57,7 +57,7 @@ fn a_picture_is_the_sum_of_those_in_each_light() {
         light => 1.055 * light.powf(1.0 / 2.4) - 0.055,
     };
     for (sample, bytes) in whole.on_screen.iter().enumerate() {
-        let linear = whole.linear(sample);
+        let linear = whole.linear()(sample);
         let close = |(linear, byte): (&f32, &u8)| (255.0 * encoded(*linear) - f32::from(*byte)).abs() < 0.51;
         assert!(linear.iter().zip(bytes).all(close), "{linear:?} {bytes:?}");
     }
