@@ -10,10 +10,10 @@
 //! are varied as logarithms. Searches start from several points about the width of the data. The best minimum
 //! is returned; [`Fit::agreeing`] is the number of starts that reached it.
 //!
-//! **Intervals** are those of linear theory at the minimum: covariance `s^2 (J^T W J)^-1` with the residual
-//! variance `s^2`, and Student's quantiles. They are correct if g is independent noise of equal
-//! variance and the formula is right. The misfit of a real lobe is neither; then they are too small, and
-//! the differences between formulas are more informative. They mean little for a parameter
+//! **Intervals** are those of linear theory at the minimum, of logarithms as varied, for independent errors of any sizes: a covariance
+//! from the residual of each reading (HC3, in `statistics.rs`), and Student's quantiles. They end at the range of the parameter, which
+//! they span if the data do not determine it. They are correct if the formula is right. The misfit of a real lobe is no independent
+//! error; then they are too small, and the differences between formulas are more informative. They mean little for a parameter
 //! [at the end of its range](Parameter::at_bound).
 //!
 //! **Regular transmission** can be fitted in addition: unscattered light, blurred by the instrument to a
@@ -28,6 +28,7 @@ mod linear;
 mod problem;
 mod ranking;
 mod search;
+mod statistics;
 
 use papilio_optics::Beta;
 
@@ -85,7 +86,7 @@ pub struct Parameter {
     pub unit: &'static str,
     /// The best value.
     pub value: f64,
-    /// 95 % confidence interval of linear theory; infinite if the data do not determine the parameter.
+    /// 95 % confidence interval, within the range of the parameter; all of it if the data do not determine the parameter.
     pub interval: [f64; 2],
     /// True if the value is at the end of its range.
     pub at_bound: bool,
@@ -100,7 +101,7 @@ pub struct Fit {
     pub straight: Option<RegularLight>,
     /// Fitted parameters, in the order of [`Kind::parameters`], then the regular fraction.
     pub parameters: Vec<Parameter>,
-    /// Covariance of the parameters, row by row.
+    /// Covariance of the parameters, row by row; infinite if the data do not determine them.
     pub covariance: Vec<f64>,
     /// Root mean square residual g, 1/sr (weighted).
     pub rms: f64,

@@ -1,7 +1,7 @@
 //! Least-squares problem of one kind of lobe, and the statistics of its solution.
 
 use super::data::{Cell, Data};
-use super::{Fit, FitOptions, Parameter, RegularLight, SPARE_CELLS, Weights, linear, search};
+use super::{Fit, FitOptions, Parameter, RegularLight, SPARE_CELLS, Weights, search, statistics};
 use crate::GoniometryError;
 use crate::models::{Kind, Meaning, Pair};
 
@@ -104,27 +104,11 @@ impl<'a> Problem<'a> {
     fn described(&self, end: &search::End, starts: usize, agreeing: usize) -> Fit {
         let (cells, count) = (self.data.len(), self.meanings.len());
         let columns = self.columns(&end.values);
+        // Relative to the data, as the squares of the residuals.
         let (slopes, residuals) = (&columns[..count], &columns[count]);
-        let normal: Vec<f64> = slopes.iter().flat_map(|a| slopes.iter().map(|b| dot(a, b))).collect();
-        // Squares of the residuals and of the derivatives are relative to those of the data.
         let (readings, independent) = self.data.readings();
-        let covariance = match linear::inverse(&normal, count) {
-            Some(inverse) => {
-                let mut sums = vec![vec![0.0; independent]; count];
-                for (sums, slopes) in sums.iter_mut().zip(slopes) {
-                    readings.iter().zip(slopes).for_each(|(reading, slope)| sums[*reading] += slope);
-                }
-                let of_readings: Vec<f64> =
-                    sums.iter().flat_map(|a| sums.iter().map(|b| dot(a, b))).collect();
-                // Copies of a reading have the same error: C M C instead of C, with M of the sums over copies.
-                let both = product(&of_readings, &inverse, count);
-                let lost: f64 = (0..count).map(|k| both[k * count + k]).sum();
-                let variance = 2.0 * end.cost / (cells as f64 - lost).max(f64::MIN_POSITIVE);
-                product(&inverse, &both, count).into_iter().map(|entry| entry * variance).collect()
-            }
-            None => vec![f64::INFINITY; count * count],
-        };
-        let parameters = self.parameters(&end.values, &covariance, independent);
+        let spread = statistics::Spread::new(slopes, residuals, (&readings, independent));
+        let parameters = self.parameters(&end.values, &spread);
         let lengths = |slope: &[f64]| (dot(slope, slope) * dot(residuals, residuals)).sqrt();
         let mut free = slopes.iter().zip(&parameters).filter(|(_, parameter)| !parameter.at_bound);
         let still = free.all(|(slope, _)| dot(slope, residuals).abs() <= ORTHOGONAL * lengths(slope));
@@ -132,7 +116,7 @@ impl<'a> Problem<'a> {
             model: self.kind.model(&end.values),
             straight: self.straight_width.map(|width| RegularLight { share: end.values[count - 1], width }),
             parameters,
-            covariance,
+            covariance: spread.covariance,
             rms: (2.0 * end.cost / self.weight).sqrt() * self.scale,
             relative_rms: (2.0 * end.cost).sqrt(),
             total_error: 0.0,
@@ -146,12 +130,9 @@ impl<'a> Problem<'a> {
         fit
     }
 
-    fn parameters(&self, values: &[f64], covariance: &[f64], independent: usize) -> Vec<Parameter> {
-        let count = self.meanings.len();
-        let student = linear::student_975(independent.saturating_sub(count).max(1) as f64);
+    fn parameters(&self, values: &[f64], spread: &statistics::Spread) -> Vec<Parameter> {
         let parameter = |(k, meaning): (usize, &Meaning)| {
             let value = values[k];
-            let half = student * covariance[k * count + k].sqrt();
             let [low, high] = meaning.range;
             let near = |bound: f64| {
                 (value - bound).abs() <= AT_BOUND * if meaning.logarithmic { value } else { high - low }
@@ -160,7 +141,7 @@ impl<'a> Problem<'a> {
                 name: meaning.name,
                 unit: meaning.unit,
                 value,
-                interval: [value - half, value + half],
+                interval: spread.interval(k, value, meaning),
                 at_bound: near(low) || near(high),
             }
         };
@@ -199,12 +180,6 @@ impl<'a> Problem<'a> {
         }
         all
     }
-}
-
-/// Product of two square matrices, row by row.
-fn product(a: &[f64], b: &[f64], size: usize) -> Vec<f64> {
-    let entry = |i: usize, k: usize| (0..size).map(|j| a[i * size + j] * b[j * size + k]).sum();
-    (0..size * size).map(|at| entry(at / size, at % size)).collect()
 }
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
