@@ -28,25 +28,29 @@ const SPLIT: &str = "reflection.csv";
 const MIRROR: &str = "display-mirror";
 const SCENE: &str = "scene.py";
 
-/// Fractions of the progress that are the table and the components of the reflection, about.
-const PARTS: [f64; 2] = [0.9, 0.1];
+/// Fractions of the progress that are the dependence on azimuth, the table, and the components of the reflection, about.
+const PARTS: [f64; 3] = [0.01, 0.9, 0.1];
+
+/// Step of the azimuths of the light where the display depends on them, degrees.
+const PHI_STEP_DEG: f64 = 15.0;
 
 pub(crate) fn brdf(arguments: &Brdf) -> Result<(), Failure> {
     let resolved = input::scenario::<Scenario>(&arguments.scenario.file, &arguments.scenario.set)?
         .resolve_without_light()?;
     let all = state_names(&resolved.scene.display.pixel);
     let states = chosen_states(&arguments.states, &all)?;
-    check_size(arguments, &resolved.scene, states.len())?;
-    let folder = folder::choose(&arguments.scenario, &resolved)?;
-    let saved = SavedTable::open(&folder, STEM, &resolved.hash, directions(arguments))?;
     let mut computation = Computation::in_parts(&PARTS);
-    let found =
-        compute(arguments, &resolved, (&states, all.len()), &mut computation, &saved).and_then(|found| {
-            let split = computation.part(&resolved, arguments.workers.threads, |control| {
-                papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
-            })?;
-            Ok((found, split.ok_or(Failure::Interrupted(NOTHING))?))
-        });
+    let phi_step = phi_step(arguments, &resolved, &mut computation)?;
+    check_size(arguments, &resolved.scene, states.len(), phi_step)?;
+    let folder = folder::choose(&arguments.scenario, &resolved)?;
+    let saved = SavedTable::open(&folder, STEM, &resolved.hash, directions(arguments, phi_step))?;
+    let some = (&states[..], all.len());
+    let found = compute(arguments, &resolved, (some, phi_step), &mut computation, &saved).and_then(|found| {
+        let split = computation.part(&resolved, arguments.workers.threads, |control| {
+            papilio_display::reflection(&resolved.scene, &report::SPLIT_AT_DEG, control)
+        })?;
+        Ok((found, split.ok_or(Failure::Interrupted(NOTHING))?))
+    });
     drop(computation);
     let ((table, probes), mut split) = match found {
         Ok(found) => found,
@@ -92,8 +96,33 @@ const STEM: &str = "brdf";
 const NOTHING: &str = "no file was written";
 const RESUME: &str = "finished rows are saved; run the same command again to resume";
 
+/// Returns the step of the azimuths of the light; `None` for a display that is isotropic in azimuth.
+fn phi_step(
+    arguments: &Brdf,
+    resolved: &Resolved,
+    computation: &mut Computation,
+) -> Result<Option<f64>, Failure> {
+    let depends = computation.part(resolved, arguments.workers.threads, |control| {
+        papilio_display::depends_on_azimuth(&resolved.scene, control)
+    })?;
+    match depends {
+        None => Err(Failure::Interrupted(NOTHING)),
+        Some(true) => Ok(Some(arguments.phi_step.unwrap_or(PHI_STEP_DEG))),
+        Some(false) if arguments.phi_step.is_some() => Err(Failure::Input(
+            "--phi-step is the step of the azimuths of the light, but this display is the same at all azimuths\n  = help: remove --phi-step"
+                .to_owned(),
+        )),
+        Some(false) => Ok(None),
+    }
+}
+
 /// The options that determine the directions of a table.
-fn directions(arguments: &Brdf) -> String {
+fn directions(arguments: &Brdf, phi_step: Option<f64>) -> String {
+    let azimuths = phi_step.map_or_else(String::new, |step| format!(", azimuths {step}"));
+    format!("{}{azimuths}", inclinations(arguments))
+}
+
+fn inclinations(arguments: &Brdf) -> String {
     let step = arguments.step_deg();
     match arguments.format {
         // The same directions in two formats.
@@ -137,7 +166,7 @@ fn chosen_states(chosen: &[String], all: &[String]) -> Result<Vec<usize>, Failur
 }
 
 /// Fails if the table would be too large.
-fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Failure> {
+fn check_size(arguments: &Brdf, scene: &Scene, states: usize, phi_step: Option<f64>) -> Result<(), Failure> {
     let (step, bins) = (arguments.step_deg(), scene.grid.len());
     if arguments.grid.is_some() && arguments.format != BrdfFormat::Rgl {
         return Err(Failure::Input(
@@ -155,19 +184,24 @@ fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Fail
     let (numbers, axes, smaller) = match arguments.format {
         BrdfFormat::Rgl => {
             let size = grid_size(arguments);
-            (HalfVectorGrid::numbers(step, size, states, bins), "theta_i x grid x grid", "a smaller --grid, ")
+            let numbers = HalfVectorGrid::numbers(step, phi_step, size, states, bins);
+            (numbers, "theta_i x grid x grid", "a smaller --grid, ")
         }
         // What is computed at once; a file has X, Y and Z.
-        BrdfFormat::Radiant => (RingGrid::numbers(step, states, bins), "theta_i x viewers", ""),
+        BrdfFormat::Radiant => (RingGrid::numbers(step, phi_step, states, bins), "theta_i x viewers", ""),
         BrdfFormat::Klems => (0, "", ""),
         BrdfFormat::Npz | BrdfFormat::Csv => {
             // A large number of steps is refused before the grid takes memory.
-            (table_numbers(step, states, bins), "theta_i x theta_o x dphi", "")
+            (table_numbers(step, phi_step, states, bins), "theta_i x theta_o x dphi", "")
         }
     };
     if numbers > BrdfGrid::MOST_NUMBERS {
         let is_table = matches!(arguments.format, BrdfFormat::Npz | BrdfFormat::Csv);
-        let permitted = match smallest_step(states, bins).filter(|_| is_table) {
+        let (axes, phi) = match phi_step {
+            Some(_) => (axes.replacen("theta_i", "theta_i x phi_i", 1), "--phi-step, a larger "),
+            None => (axes.to_owned(), ""),
+        };
+        let permitted = match smallest_step(phi_step, states, bins).filter(|_| is_table) {
             Some(step) => format!(
                 "--step {step} or more, or --format rgl or radiant, which have rings about the mirror direction and fewer numbers; "
             ),
@@ -175,7 +209,7 @@ fn check_size(arguments: &Brdf, scene: &Scene, states: usize) -> Result<(), Fail
         };
         return Err(Failure::Input(format!(
             "the table would have {} numbers (states x {axes} x wavelengths); expected at most {}\n  \
-             = help: use {permitted}{smaller}a larger {}spectrum.step_nm or fewer --states",
+             = help: use {permitted}{smaller}a larger {phi}{}spectrum.step_nm or fewer --states",
             number(numbers as f64),
             number(BrdfGrid::MOST_NUMBERS as f64),
             if permitted.is_empty() { "--step, a larger " } else { "" }
@@ -193,7 +227,7 @@ fn grid_size(arguments: &Brdf) -> usize {
 fn compute(
     arguments: &Brdf,
     resolved: &Resolved,
-    (states, count): (&[usize], usize),
+    ((states, count), phi_step): ((&[usize], usize), Option<f64>),
     computation: &mut Computation,
     saved: &SavedTable<'_>,
 ) -> Result<(Table, ViewerTable<ProbeGrid>), Failure> {
@@ -204,7 +238,11 @@ fn compute(
         let widths = LobeWidths::of_scene(scene, control)?;
         let (table, lights) = match arguments.format {
             BrdfFormat::Npz | BrdfFormat::Csv => {
-                let mut table = papilio_display::brdf_resumed(scene, BrdfGrid::even(step), control, &rows)?;
+                let grid = match phi_step {
+                    Some(phi_step) => BrdfGrid::around(step, phi_step),
+                    None => BrdfGrid::even(step),
+                };
+                let mut table = papilio_display::brdf_resumed(scene, grid, control, &rows)?;
                 if states.len() < count {
                     table = table.with_states(states);
                 }
@@ -212,21 +250,30 @@ fn compute(
                 (Table::Directions(table.allowing(arguments.allow_error)?), lights)
             }
             BrdfFormat::Rgl => {
-                let grid = HalfVectorGrid::new(step, grid_size(arguments), &widths);
+                let size = grid_size(arguments);
+                let grid = match phi_step {
+                    Some(phi_step) => HalfVectorGrid::around(step, phi_step, size, &widths),
+                    None => HalfVectorGrid::new(step, size, &widths),
+                };
                 let (table, beams, lights) = with_beams(scene, grid, (control, &rows), some)?;
                 (Table::HalfVectors(table, beams), lights)
             }
             BrdfFormat::Radiant => {
-                let (table, beams, lights) =
-                    with_beams(scene, RingGrid::new(step, &widths), (control, &rows), some)?;
+                let rings = RingGrid::new(step, &widths);
+                let rings = phi_step.map_or(rings.clone(), |phi_step| rings.around(phi_step));
+                let (table, beams, lights) = with_beams(scene, rings, (control, &rows), some)?;
                 (Table::Rings(table, beams), lights)
             }
             BrdfFormat::Klems => {
-                let (table, beams, lights) = with_beams(scene, klems_rings(&widths), (control, &rows), some)?;
+                let rings = klems_rings(&widths, phi_step);
+                let (table, beams, lights) = with_beams(scene, rings, (control, &rows), some)?;
                 (Table::Patches(table, beams), lights)
             }
         };
-        let between = ProbeGrid::between(&lights, &widths);
+        let between = match phi_step {
+            Some(phi_step) => ProbeGrid::around(&lights, phi_step, &widths),
+            None => ProbeGrid::between(&lights, &widths),
+        };
         let probes = papilio_display::brdf_at_viewers_resumed(scene, between, control, &rows_between)?;
         let probes = if states.len() < count { probes.with_states(states) } else { probes };
         Ok((table, probes))
@@ -359,7 +406,10 @@ fn table_warnings(
     };
     let (exported, beams, refinable) = match table {
         Table::Directions(table) => {
-            let smallest = smallest_step(table.states.len(), table.wavelength_nm.len());
+            let (states, bins) = (table.states.len(), table.wavelength_nm.len());
+            let phi_step =
+                (!table.grid.phi_i_deg.is_empty()).then(|| 180.0 / table.grid.phi_i_deg.len() as f64);
+            let smallest = smallest_step(phi_step, states, bins);
             (Exported::Directions(table), table, Refinable::Step(arguments.step_deg(), "--step ", smallest))
         }
         Table::HalfVectors(table, beams) => {

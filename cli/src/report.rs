@@ -104,19 +104,22 @@ pub(crate) fn brdf(title: &str, table: &BrdfTable) -> String {
     };
     let mut shown: Vec<usize> = SHOWN_INCIDENCES_DEG.iter().filter_map(nearest).collect();
     shown.dedup();
+    let azimuths = table.grid.phi_i_deg.len().max(1);
+    let at = table.grid.phi_i_deg.first().map_or_else(String::new, |phi| format!(" at azimuth {phi} deg"));
     let mut rows = vec![vec!["state".to_owned()]];
     rows[0].extend(shown.iter().map(|i| format!("{} deg", (10.0 * incidences[*i]).round() / 10.0)));
     for state in &table.states {
         let cells = shown.iter().map(|i| {
-            let cell =
-                |values: &[f64]| values.get(i * bins + bin).map_or("-".to_owned(), |v| format!("{v:.4}"));
+            let cell = |values: &[f64]| {
+                values.get(i * azimuths * bins + bin).map_or("-".to_owned(), |v| format!("{v:.4}"))
+            };
             format!("{} / {}", cell(&state.directional_hemispherical), cell(&state.specular))
         });
         rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
     }
     let error = percent(table.discretisation_error);
     format!(
-        "{}\n\ndirectional-hemispherical reflectance / regular reflectance, at {} nm, by incidence\n{}\nadding: {} nodes, \
+        "{}\n\ndirectional-hemispherical reflectance / regular reflectance, at {} nm, by incidence{at}\n{}\nadding: {} nodes, \
          discretisation error {error}\n",
         plain(title),
         table.wavelength_nm[bin],
@@ -133,18 +136,25 @@ pub(crate) fn reflection(all: &[Reflection]) -> String {
     let mut text = "\nreflectance in the scene's light, %, by incidence: total = regular + haze + Lambertian; fraction of the total\n\
          that leaves more than 2.5 deg from the mirror direction, %\n"
         .to_owned();
+    let mut azimuths: Vec<Option<f64>> = all.iter().map(|one| one.phi_deg).collect();
+    azimuths.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    azimuths.dedup();
     let mut rows = vec![vec!["state".to_owned()]];
-    rows[0].extend(all.iter().map(|one| format!("{} deg", one.theta_deg)));
+    let of_azimuth = |phi: Option<f64>| all.iter().filter(move |one| one.phi_deg == phi);
+    let first = azimuths.first().copied().flatten();
+    rows[0].extend(of_azimuth(first).map(|one| format!("{} deg", one.theta_deg)));
     let states = all.first().map_or(&[][..], |one| &one.states);
-    for (k, state) in states.iter().enumerate() {
-        let cells = all.iter().filter_map(|one| one.states.get(k)).map(|one| {
+    let each = states.iter().enumerate().flat_map(|state| azimuths.iter().map(move |phi| (state, *phi)));
+    for ((k, state), phi) in each {
+        let name = phi.map_or(state.name.clone(), |phi| format!("{}, from azimuth {phi} deg", state.name));
+        let cells = of_azimuth(phi).filter_map(|one| one.states.get(k)).map(|one| {
             let [total, regular, haze, lambertian] = [one.returned, one.mirror, one.haze, one.lambertian]
                 .map(|fraction| format!("{:.1}", 100.0 * fraction));
             let outside =
                 one.beyond_straight.map_or("-".to_owned(), |fraction| format!("{:.0}", 100.0 * fraction));
             format!("{total} = {regular} + {haze} + {lambertian}; {outside}")
         });
-        rows.push(std::iter::once(state.name.clone()).chain(cells).collect());
+        rows.push(std::iter::once(name).chain(cells).collect());
     }
     text.push_str(&table(&rows));
     text

@@ -28,6 +28,7 @@ __all__ = [
     "__version__",
     "beams",
     "bsdf",
+    "bsdf_depends_on_azimuth",
     "curves",
     "delta_e_2000",
     "edit",
@@ -451,6 +452,7 @@ def bsdf(
     scenario: Resolved,
     title: str,
     theta_i_deg: Sequence[float],
+    phi_i_deg: Sequence[float],
     theta_o_deg: Sequence[float],
     dphi_deg: Sequence[float],
     step_deg: float | None,
@@ -458,6 +460,11 @@ def bsdf(
     progress: Callable[[dict[str, Any]], object] | None = None,
     allow_error: float | None = None,
 ) -> tuple[bytes, float, list[str], float | None]: ...
+def bsdf_depends_on_azimuth(
+    scenario: Resolved,
+    threads: int | None = None,
+    progress: Callable[[dict[str, Any]], object] | None = None,
+) -> bool: ...
 def beams(
     scenario: Resolved,
     theta_deg: Sequence[float],

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use papilio_display::HalfVectorGrid;
 
-use super::{ScenarioArguments, Workers, angle_step, relative_error};
+use super::{ScenarioArguments, Workers, angle_step, azimuth_step, relative_error};
 
 #[derive(Debug, Args)]
 pub(crate) struct Brdf {
@@ -20,6 +20,9 @@ pub(crate) struct Brdf {
     /// klems [default: 5]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle_step)]
     pub(crate) step: Option<f64>,
+    /// Step of the azimuth of the light in degrees, a divisor of 180, where the display depends on it [default: 15]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = azimuth_step)]
+    pub(crate) phi_step: Option<f64>,
     /// Number of half vectors along each axis, from 8 to 256, only with --format rgl [default: 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = grid_size)]
     pub(crate) grid: Option<usize>,

@@ -194,23 +194,43 @@ fn a_display_without_scattering_has_no_haze() {
     assert!(!fs::read_to_string(folder.path().join("reflection.csv")).unwrap().contains('-'));
 }
 
-/// The files have one azimuth, that between light and viewer: a liquid crystal needs two.
+/// A pixel that depends on azimuth below a haze film: files of all formats that `diffuser inspect` reads, with azimuths of the light, and the
+/// parts of beams from four azimuths. Other displays have no azimuths of the light, and other scatterers are refused.
 #[test]
-fn brdf_of_a_pixel_that_depends_on_azimuth_is_refused_with_what_can_be_done() {
+fn brdf_of_a_pixel_that_depends_on_azimuth_has_azimuths_of_the_light() {
     let folder = tempfile::tempdir().unwrap();
-    for format in ["npz", "csv", "rgl", "radiant", "klems"] {
-        let output = papilio()
-            .arg("brdf")
-            .arg(scenario("mip-lcd-haze"))
-            .args(["--format", format, "--set", "spectrum.step_nm=100", "--out"])
-            .arg(folder.path().join("brdf"))
-            .output()
-            .unwrap();
-        assert_eq!(output.status.code(), Some(2), "{format}");
-        let said = stderr(&output);
-        for part in ["depends on azimuth", "isotropic displays", "--cone", "--phi-step"] {
-            assert!(said.contains(part), "{format}: {said}");
-        }
+    let film = "display.diffuser={model=\"k-correlation\",haze=0.78,total_transmittance=0.92}";
+    let hazy = ["--set", film, "--set", "display.glass={index=1.5}", "--set", "spectrum.step_nm=200"];
+    let of = |more: &[&str]| {
+        let mut command = papilio();
+        command.arg("brdf").arg(scenario("azimuth-pixel")).arg("--out").arg(folder.path());
+        command.args(hazy).args(["--phi-step", "90", "--allow-error", "0.1"]).args(more).output().unwrap()
+    };
+    let output = of(&["--format", "csv", "--step", "45"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = fs::read_to_string(folder.path().join("display-white.csv")).unwrap();
+    assert!(
+        text.starts_with("theta_i_deg,phi_i_deg,theta_o_deg,dphi_deg,wavelength_nm,brdf,error\n"),
+        "{text}"
+    );
+    // 2 inclinations and 2 azimuths of the light, 2 x 8 viewers.
+    let bins = text.lines().filter(|line| line.starts_with("45,90,0,0,")).count();
+    assert_eq!(text.lines().count(), 1 + 2 * 2 * 2 * 8 * bins);
+    let beams = fs::read_to_string(folder.path().join("reflection.csv")).unwrap();
+    assert!(beams.lines().any(|line| line.starts_with("30,135,white,")), "{beams}");
+    assert!(stdout(&output).contains("white, from azimuth 135 deg"));
+    let mirror = fs::read_to_string(folder.path().join("display-mirror.csv")).unwrap();
+    assert!(mirror.starts_with("state,theta_i_deg,phi_i_deg,wavelength_nm,"), "{mirror}");
+    for format in [&["npz", "--step", "45"][..], &["rgl", "--step", "90", "--grid", "8"]] {
+        let output = of(&[&["--format"][..], format].concat());
+        assert!(output.status.success(), "{format:?}: {}", stderr(&output));
+        let file = ["display-white.bsdf", "display-bsdf.npz"][usize::from(format[0] == "npz")];
+        let mut inspect = papilio();
+        inspect.args(["diffuser", "inspect"]).arg(folder.path().join(file));
+        let output = inspect.arg("--out").arg(folder.path().join("inspected")).output().unwrap();
+        assert!(output.status.success(), "{format:?}: {}", stderr(&output));
     }
-    assert!(!folder.path().join("brdf").exists());
+    let output = brdf("indoor", &folder.path().join("round"), &["--phi-step", "30"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("the same at all azimuths"), "{}", stderr(&output));
 }

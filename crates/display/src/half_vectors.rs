@@ -14,6 +14,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::brdf::half_turn;
 use crate::lobe_width::LobeWidths;
 use crate::node_density::NodeDensity;
 use crate::viewers::{Viewer, ViewerGrid, ViewerTable};
@@ -26,6 +27,8 @@ pub type HalfVectorTable = ViewerTable<HalfVectorGrid>;
 pub struct HalfVectorGrid {
     /// Inclinations of the light, ascending, 0 to less than 90 degrees.
     pub theta_i_deg: Vec<f64>,
+    /// Azimuths of the light, ascending, -180 to 0 degrees; none for a display that is isotropic in azimuth.
+    pub phi_i_deg: Vec<f64>,
     /// Number of nodes along u and along v, at least 2.
     pub size: usize,
     /// Inclination of the half vector within which the lobe falls by half, for each inclination of the light,
@@ -51,7 +54,19 @@ impl HalfVectorGrid {
     pub fn new(step_deg: f64, size: usize, widths: &LobeWidths) -> Self {
         let theta_i_deg = Self::lights_deg(step_deg);
         let width_deg = theta_i_deg.iter().map(|theta| widths.at(*theta)).collect();
-        Self { theta_i_deg, size, width_deg }
+        Self { theta_i_deg, phi_i_deg: Vec::new(), size, width_deg }
+    }
+
+    /// The same grid for a display that depends on azimuth: azimuths of the light in steps of `phi_step_deg`, a divisor of 90.
+    pub fn around(step_deg: f64, phi_step_deg: f64, size: usize, widths: &LobeWidths) -> Self {
+        let ahead = half_turn(phi_step_deg).into_iter().map(|phi| phi - 180.0);
+        Self { phi_i_deg: ahead.chain([0.0]).collect(), ..Self::new(step_deg, size, widths) }
+    }
+
+    /// Inclination and azimuth of one direction of the light, number `light`, degrees; the azimuth is `None` for an isotropic display.
+    fn light(&self, light: usize) -> (usize, Option<f64>) {
+        let azimuths = self.phi_i_deg.len().max(1);
+        (light / azimuths, self.phi_i_deg.get(light % azimuths).copied())
     }
 
     /// Returns inclinations of the light in steps of `step_deg` degrees, a divisor of 90, to 30 degrees, of
@@ -78,16 +93,18 @@ impl HalfVectorGrid {
 
     /// Density of the half vectors of one direction of the light, number `light`.
     pub fn density(&self, light: usize) -> NodeDensity {
-        NodeDensity::new(self.theta_i_deg[light], self.width_deg[light], self.size)
+        let (theta, phi) = self.light(light);
+        let turn = phi.map(|phi_deg| phi_deg / 360.0);
+        NodeDensity::new(self.theta_i_deg[theta], self.width_deg[theta], self.size, turn)
     }
 
-    /// Returns u and v of the nodes of one direction of the light, `[row][column]`.
+    /// Returns u and v of the nodes of one direction of the light, `[row][column]`, with v relative to the azimuth of the light.
     pub fn nodes(&self, light: usize) -> Vec<[f64; 2]> {
         let steps = self.size.saturating_sub(1).max(1) as f64;
         let fractions: Vec<f64> = (0..self.size).map(|k| k as f64 / steps).collect();
-        let density = self.density(light);
+        let (density, turn) = (self.density(light), self.light(light).1.unwrap_or(0.0) / 360.0);
         let row = |(row, v): (usize, &f64)| {
-            let (u, v) = (density.places(row, &fractions), *v);
+            let (u, v) = (density.places(row, &fractions), *v - turn);
             u.into_iter().map(move |u| [u, v])
         };
         fractions.iter().enumerate().flat_map(row).collect()
@@ -99,15 +116,20 @@ impl HalfVectorGrid {
         [FRAC_PI_2 * u * u, TAU * v - PI]
     }
 
-    /// Returns the viewer for light from `theta_i_deg` at a point (u, v); `None` below the horizon.
+    /// Returns the viewer for light from `theta_i_deg` at a point (u, v); `None` below the horizon. Mirror images in the plane of
+    /// incidence are the same.
     pub fn viewer(theta_i_deg: f64, at: [f64; 2]) -> Option<Viewer> {
+        Viewer::of_vector(Self::mirrored(theta_i_deg, at))
+    }
+
+    /// Mirror direction of light from `theta_i_deg`, at azimuth 0, in the half vector of a point (u, v).
+    fn mirrored(theta_i_deg: f64, at: [f64; 2]) -> [f64; 3] {
         let [theta_m, phi_m] = Self::half_vector(at);
         let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
         let (sin_m, cos_m) = theta_m.sin_cos();
         let m = [sin_m * phi_m.cos(), sin_m * phi_m.sin(), cos_m];
         let along = m[0] * sin_i + m[2] * cos_i;
-        let o = [2.0 * along * m[0] - sin_i, 2.0 * along * m[1], 2.0 * along * m[2] - cos_i];
-        Viewer::of_vector(o)
+        [2.0 * along * m[0] - sin_i, 2.0 * along * m[1], 2.0 * along * m[2] - cos_i]
     }
 
     /// Returns the factor by which density over (u, v) exceeds density over directions of the viewer, 1/sr,
@@ -123,9 +145,31 @@ impl HalfVectorGrid {
     /// `[row][column]`, the number of its viewer; `None` below the horizon. Nodes that are mirror images in
     /// the plane of incidence have the same viewer.
     pub fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
-        let theta_i = self.theta_i_deg[light];
+        let (theta, phi) = self.light(light);
+        let theta_i = self.theta_i_deg[theta];
         let nodes = self.nodes(light);
         let mut viewers = Vec::new();
+        if phi.is_some() {
+            let mut numbers: Vec<Option<usize>> = Vec::with_capacity(nodes.len());
+            for (node, at) in nodes.iter().enumerate() {
+                // All half vectors of the first column are along the normal; the first and the last row are the same.
+                let same = if node % self.size == 0 && node > 0 {
+                    Some(0)
+                } else if node / self.size + 1 == self.size {
+                    Some(node % self.size)
+                } else {
+                    None
+                };
+                let number = same.map(|same| numbers[same]).unwrap_or_else(|| {
+                    Viewer::of_either_side(Self::mirrored(theta_i, *at)).map(|viewer| {
+                        viewers.push(viewer);
+                        viewers.len() - 1
+                    })
+                });
+                numbers.push(number);
+            }
+            return (viewers, numbers);
+        }
         let mut numbers: Vec<Option<usize>> = vec![None; self.size * self.size];
         for row in 0..self.size {
             for column in 0..self.size {
@@ -146,9 +190,16 @@ impl HalfVectorGrid {
     }
 
     /// Returns the number of values of a file of each of `states` states, all together, for a
-    /// [`new`](Self::new) grid.
-    pub fn numbers(step_deg: f64, size: usize, states: usize, wavelengths: usize) -> usize {
-        [Self::lights_deg(step_deg).len(), size, size, wavelengths]
+    /// [`new`](Self::new) grid, or one [`around`](Self::around) with this step of azimuth.
+    pub fn numbers(
+        step_deg: f64,
+        phi_step_deg: Option<f64>,
+        size: usize,
+        states: usize,
+        wavelengths: usize,
+    ) -> usize {
+        let azimuths = phi_step_deg.map_or(1, |step| half_turn(step).len() + 1);
+        [Self::lights_deg(step_deg).len(), azimuths, size, size, wavelengths]
             .iter()
             .fold(states, |product, length| product.saturating_mul(*length))
     }
@@ -157,6 +208,10 @@ impl HalfVectorGrid {
 impl ViewerGrid for HalfVectorGrid {
     fn theta_i_deg(&self) -> &[f64] {
         &self.theta_i_deg
+    }
+
+    fn phi_i_deg(&self) -> &[f64] {
+        &self.phi_i_deg
     }
 
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
@@ -181,6 +236,31 @@ mod tests {
         let viewer = HalfVectorGrid::viewer(30.0, at).unwrap();
         assert!((viewer.theta_o_deg - 30.0).abs() < 1e-9 && viewer.dphi_deg < 1e-9, "{viewer:?}");
         assert_eq!(HalfVectorGrid::viewer(30.0, [1.0, 0.0]), None);
+    }
+
+    /// With azimuths, the viewer of a node is the mirror direction of the light in the half vector of the file, both by their azimuths.
+    #[test]
+    fn nodes_with_azimuths_are_half_vectors_by_their_azimuth() {
+        let grid = HalfVectorGrid::around(45.0, 45.0, 8, &LobeWidths::constant(2.0));
+        assert_eq!(grid.phi_i_deg, [-180.0, -135.0, -90.0, -45.0, 0.0]);
+        let lights = grid.lights_deg();
+        let unit = |theta_deg: f64, phi_deg: f64| {
+            let ((sin, cos), (y, x)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
+            [sin * x, sin * y, cos]
+        };
+        for (light, [theta_i, phi_i]) in lights.into_iter().enumerate() {
+            let (viewers, numbers) = grid.viewers(light);
+            assert!(viewers.len() < 7 * 8 && viewers.len() > 20);
+            for (node, number) in numbers.iter().enumerate() {
+                let Some(viewer) = number.map(|number| viewers[number]) else { continue };
+                let (i, o) = (unit(theta_i, phi_i), unit(viewer.theta_o_deg, phi_i + viewer.dphi_deg));
+                let m: Vec<f64> = i.iter().zip(o).map(|(i, o)| i + o).collect();
+                let u = (m[0].hypot(m[1]).atan2(m[2]) / FRAC_PI_2).sqrt();
+                assert!((u - grid.nodes(light)[node][0]).abs() < 1e-6);
+                let v = (m[1].atan2(m[0]) + PI) / TAU - (node / 8) as f64 / 7.0;
+                assert!(u < 1e-6 || (v - v.round()).abs() < 1e-6, "{light} {node}: {v}");
+            }
+        }
     }
 
     /// Mirror images share a viewer, and the number of viewers is about half of that of the nodes.

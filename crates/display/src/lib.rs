@@ -136,8 +136,8 @@ pub use rows::RowErrors;
 pub use run::{
     Control, Cost, Forecast, Progress, ProgressFraction, SavedRows, StudyCurve, StudyPoint,
     THICKEST_FOR_MONTE_CARLO, Unsaved, adding_seconds, always_by_adding, brdf, brdf_at_viewers,
-    brdf_at_viewers_resumed, brdf_resumed, cone, cost, expected_bytes, expected_map_bytes, expected_seconds,
-    expected_view_bytes, forecast, run, study,
+    brdf_at_viewers_resumed, brdf_resumed, cone, cost, depends_on_azimuth, expected_bytes,
+    expected_map_bytes, expected_seconds, expected_view_bytes, forecast, run, study,
 };
 pub use single_view::{LightSummary, SingleView};
 pub use viewers::{BrdfState, Viewer, ViewerGrid, ViewerTable};

@@ -3,7 +3,7 @@
 
 use crate::scene::{Scene, Stop};
 use crate::viewers::{Viewer, ViewerGrid};
-use crate::{Control, DisplayError, HalfVectorGrid, brdf_at_viewers};
+use crate::{Control, DisplayError, HalfVectorGrid, brdf_at_viewers, depends_on_azimuth};
 
 /// Inclinations of the light at which the width is determined, degrees.
 const LIGHTS_DEG: [f64; 7] = [0.0, 20.0, 40.0, 55.0, 70.0, 80.0, 88.0];
@@ -36,7 +36,8 @@ impl LobeWidths {
         Self { theta_i_deg: vec![0.0], width_deg: vec![width_deg] }
     }
 
-    /// Computes the widths of the scene's display, of the sum of its states and wavelengths.
+    /// Computes the widths of the scene's display, of the sum of its states and wavelengths; of a display that depends on azimuth, for
+    /// light at one.
     ///
     /// # Errors
     /// If the scene is invalid, or the computation was stopped.
@@ -44,7 +45,8 @@ impl LobeWidths {
         let mut scene = scene.clone();
         scene.solver.stop = Stop::RelativeError { target: SUFFICIENT, per_wavelength: false };
         let silent = Control { progress: &|_| {}, ..*control };
-        let table = brdf_at_viewers(&scene, AcrossPlane, &silent)?;
+        let phi_i_deg = if depends_on_azimuth(&scene, control)? { vec![0.0] } else { Vec::new() };
+        let table = brdf_at_viewers(&scene, AcrossPlane { phi_i_deg }, &silent)?;
         let bins = table.wavelength_nm.len();
         let mut first = 0;
         let mut width = |light: usize| {
@@ -94,7 +96,9 @@ fn fall(places: &[f64], values: &[f64]) -> f64 {
 }
 
 /// Viewers whose half vectors are perpendicular to the plane of incidence.
-struct AcrossPlane;
+struct AcrossPlane {
+    phi_i_deg: Vec<f64>,
+}
 
 impl AcrossPlane {
     /// Inclinations of the half vector, degrees, whose viewers are above the horizon.
@@ -111,6 +115,10 @@ impl AcrossPlane {
 impl ViewerGrid for AcrossPlane {
     fn theta_i_deg(&self) -> &[f64] {
         &LIGHTS_DEG
+    }
+
+    fn phi_i_deg(&self) -> &[f64] {
+        &self.phi_i_deg
     }
 
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {

@@ -33,17 +33,21 @@ pub struct NodeDensity {
 
 impl NodeDensity {
     /// Density for light from `theta_i_deg` and a lobe that falls by half within `width_deg` of half vectors,
-    /// on `rows` rows.
-    pub(crate) fn new(theta_i_deg: f64, width_deg: f64, rows: usize) -> Self {
+    /// on `rows` rows. `turn`: the azimuth of the light as a fraction of a turn, if rows are not relative to it.
+    pub(crate) fn new(theta_i_deg: f64, width_deg: f64, rows: usize, turn: Option<f64>) -> Self {
         let columns = (PER_NODE * rows).min(MOST_COLUMNS);
         let mut values = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             // Rows that are mirror images are equal to the last bit; light along the normal has no azimuth.
-            let first = if theta_i_deg == 0.0 { 0 } else { row.min(rows - 1 - row) };
+            let first = match turn {
+                _ if theta_i_deg == 0.0 => 0,
+                None => row.min(rows - 1 - row),
+                Some(_) => row % (rows - 1),
+            };
             if first < row {
                 values.extend_from_within(first * columns..(first + 1) * columns);
             } else {
-                let v = row as f64 / (rows - 1) as f64;
+                let v = row as f64 / (rows - 1) as f64 - turn.unwrap_or(0.0);
                 values.extend(Self::row(theta_i_deg, width_deg.to_radians(), v, columns));
             }
         }
@@ -144,7 +148,7 @@ mod tests {
     #[test]
     fn places_have_the_given_fractions_of_the_density_below_them() {
         for (theta_i, width) in [(0.0, 0.05), (40.0, 3.0), (89.0, 20.0)] {
-            let density = NodeDensity::new(theta_i, width, 9);
+            let density = NodeDensity::new(theta_i, width, 9, None);
             let fractions: Vec<f64> = (0..9).map(|k| f64::from(k) / 8.0).collect();
             for row in 0..9 {
                 let places = density.places(row, &fractions);

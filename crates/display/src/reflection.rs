@@ -28,7 +28,13 @@ const STRAIGHT_DEG: f64 = 2.5;
 
 /// Directions for the smallest BRDF: inclinations, and azimuths relative to the plane of incidence, degrees.
 const INCLINATIONS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
-const AZIMUTHS_DEG: [f64; 5] = [0.0, 45.0, 90.0, 135.0, 180.0];
+const AZIMUTHS_DEG: [f64; 8] = [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0];
+
+/// How many of them a display has that is isotropic in azimuth, and so symmetric about the plane of incidence.
+const ON_ONE_SIDE: usize = 5;
+
+/// Azimuths of the beams where the display depends on azimuth, degrees.
+const BEAMS_DEG: [f64; 4] = [0.0, 45.0, 90.0, 135.0];
 
 /// Target of adding for scenes without one.
 const DEFAULT_TARGET: f64 = 1e-3;
@@ -38,6 +44,8 @@ const DEFAULT_TARGET: f64 = 1e-3;
 pub struct Reflection {
     /// Inclination of the beam, degrees in air.
     pub theta_deg: f64,
+    /// Azimuth of the beam, degrees; `None` for a display that is isotropic in azimuth.
+    pub phi_deg: Option<f64>,
     /// Components of each drive state.
     pub states: Vec<ReflectionState>,
 }
@@ -64,7 +72,7 @@ pub struct ReflectionState {
 }
 
 /// Computes the components of the reflection of beams from these inclinations (degrees in air, below 87), by
-/// adding independently of the scene's method.
+/// adding independently of the scene's method; of a display that depends on azimuth, for four azimuths of each.
 ///
 /// # Errors
 /// If the scene is invalid, or the computation was stopped.
@@ -77,14 +85,17 @@ pub fn reflection(
     ambient.lighting.front_light = None;
     let setup = Setup::new(&ambient, control)?;
     let light = total_spectrum(&setup);
+    let azimuths = if setup.stack.base().is_azimuthal() { BEAMS_DEG.map(Some).to_vec() } else { vec![None] };
     let mut prepared = Prepared::of(setup);
-    let one = |(number, theta): (usize, &f64)| {
-        let part = [number, number + 1].map(|done| done as f64 / theta_deg.len() as f64);
-        let scene = reflection_scene(scene, *theta, &light);
+    let beams: Vec<_> =
+        theta_deg.iter().flat_map(|theta| azimuths.iter().map(|phi| (*theta, *phi))).collect();
+    let one = |(number, (theta_deg, phi_deg)): (usize, &(f64, Option<f64>))| {
+        let part = [number, number + 1].map(|done| done as f64 / beams.len() as f64);
+        let scene = reflection_scene(scene, (*theta_deg, *phi_deg), &light);
         let result = control.within(part, |control| prepared.run(&scene, control))?;
-        Ok(Reflection { theta_deg: *theta, states: split(&result, *theta) })
+        Ok(Reflection { theta_deg: *theta_deg, phi_deg: *phi_deg, states: split(&result, *theta_deg) })
     };
-    theta_deg.iter().enumerate().map(one).collect()
+    beams.iter().enumerate().map(one).collect()
 }
 
 /// Relative spectrum of all light; an equal-energy spectrum if there is none.
@@ -95,12 +106,13 @@ fn total_spectrum(setup: &Setup) -> Spectrum {
     if sum.max() > 0.0 { sum } else { Spectrum::constant(grid, 1.0) }
 }
 
-/// Scene of the display viewed from `theta_deg` in diffuse light, under a disc in the mirror direction, and
+/// Scene of the display viewed from a direction in diffuse light, under a disc in the mirror direction, and
 /// under beams.
-fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
+fn reflection_scene(scene: &Scene, (theta_deg, azimuth): (f64, Option<f64>), light: &Spectrum) -> Scene {
     let mut lit = scene.clone().unpolarised();
+    let view_deg = azimuth.unwrap_or(0.0);
     lit.viewer.theta_deg = vec![theta_deg];
-    lit.viewer.phi_deg = vec![0.0];
+    lit.viewer.phi_deg = vec![view_deg];
     lit.viewer.field_deg = 0.0;
     lit.viewer.numerical_aperture = None;
     lit.solver.method = Method::Adding;
@@ -110,9 +122,9 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
     if lit.solver.angle_medium == AngleMedium::Glass {
         lit.solver.angle_medium = AngleMedium::Air;
     }
-    let source = |theta_deg, phi_deg, radius_deg| DirectedLight {
+    let source = |theta_deg, phi_deg: f64, radius_deg| DirectedLight {
         theta_deg,
-        phi_deg,
+        phi_deg: phi_deg + view_deg,
         share: 0.0,
         spectrum: light.clone().into(),
         radius_deg,
@@ -120,7 +132,8 @@ fn reflection_scene(scene: &Scene, theta_deg: f64, light: &Spectrum) -> Scene {
         vibration: None,
     };
     let mut sources = vec![source(-theta_deg, 0.0, Some(STRAIGHT_DEG))];
-    let around = INCLINATIONS_DEG.iter().flat_map(|theta| AZIMUTHS_DEG.map(|phi| (*theta, phi)));
+    let azimuths = if azimuth.is_some() { &AZIMUTHS_DEG[..] } else { &AZIMUTHS_DEG[..ON_ONE_SIDE] };
+    let around = INCLINATIONS_DEG.iter().flat_map(|theta| azimuths.iter().map(|phi| (*theta, *phi)));
     sources
         .extend(around.filter(|at| at.0 > 0.0 || at.1 == 0.0).map(|(theta, phi)| source(theta, phi, None)));
     let share = 1.0 / (sources.len() + 1) as f64;

@@ -7,6 +7,7 @@
 //! `e1 = (0, -1, 0)`.
 
 use crate::HalfVectorGrid;
+use crate::brdf::half_turn;
 use crate::lobe_width::LobeWidths;
 use crate::viewers::{Viewer, ViewerGrid, ViewerTable};
 
@@ -18,8 +19,10 @@ pub type RingTable = ViewerTable<RingGrid>;
 pub struct RingGrid {
     /// Inclinations of the light, ascending, 0 to less than 90 degrees.
     pub theta_i_deg: Vec<f64>,
-    /// Azimuths about the mirror direction, ascending, 0 (towards the normal) to 180 degrees: the display is
-    /// symmetric about the plane of incidence.
+    /// Azimuths of the light, ascending, 0 to less than 180 degrees; none for a display that is isotropic in azimuth.
+    pub phi_i_deg: Vec<f64>,
+    /// Azimuths about the mirror direction, ascending, 0 (towards the normal) to 180 degrees where the display is
+    /// symmetric about the plane of incidence; with azimuths of the light, to less than 360 degrees.
     pub azimuths_deg: Vec<f64>,
     /// Distances from the mirror direction, ascending, 0 to 180 degrees.
     pub radials_deg: Vec<f64>,
@@ -28,6 +31,9 @@ pub struct RingGrid {
 /// Largest step of the distances, as a fraction of the distance plus the width of the lobe: the chord of a
 /// lobe that falls as the third power is then 0.5 % above it.
 const STEP_ON_LOBE: f64 = 0.06;
+
+/// Number of azimuths about the mirror direction where the display depends on azimuth.
+const ROUND_AZIMUTHS: usize = 36;
 
 /// Number of distances for most lobes: 116 to 215.
 const USUAL_RADIALS: usize = 160;
@@ -58,35 +64,52 @@ impl RingGrid {
             radials_deg.extend(inner.map(|radial| (1e5 * radial).round() / 1e5));
             radials_deg.push(end);
         }
-        Self { theta_i_deg, azimuths_deg: (0..=36).map(|k| 5.0 * f64::from(k)).collect(), radials_deg }
+        let azimuths_deg = (0..=36).map(|k| 5.0 * f64::from(k)).collect();
+        Self { theta_i_deg, phi_i_deg: Vec::new(), azimuths_deg, radials_deg }
     }
 
-    /// Returns about how many values the viewers of a [`new`](Self::new) grid have.
-    pub fn numbers(step_deg: f64, states: usize, wavelengths: usize) -> usize {
+    /// The same rings for a display that depends on azimuth: azimuths of the light in steps of `phi_step_deg`, a divisor of 180, and about the
+    /// mirror direction in steps of 10 deg over the whole turn.
+    #[must_use]
+    pub fn around(self, phi_step_deg: f64) -> Self {
+        let azimuths_deg = (0..ROUND_AZIMUTHS).map(|k| 360.0 * k as f64 / ROUND_AZIMUTHS as f64).collect();
+        Self { phi_i_deg: half_turn(phi_step_deg), azimuths_deg, ..self }
+    }
+
+    /// Returns about how many values the viewers of a [`new`](Self::new) grid have, or of one [`around`](Self::around) with this step of
+    /// azimuth.
+    pub fn numbers(step_deg: f64, phi_step_deg: Option<f64>, states: usize, wavelengths: usize) -> usize {
+        let (lights, azimuths) = phi_step_deg.map_or((1, 37), |step| (half_turn(step).len(), ROUND_AZIMUTHS));
         // Of the cells, 0.65 are above the horizon.
-        let of_light = USUAL_RADIALS * 37 * 65 / 100;
-        [HalfVectorGrid::lights_deg(step_deg).len(), of_light, wavelengths]
+        let of_light = USUAL_RADIALS * azimuths * 65 / 100;
+        [HalfVectorGrid::lights_deg(step_deg).len(), lights, of_light, wavelengths]
             .iter()
             .fold(states, |product, length| product.saturating_mul(*length))
     }
 
     /// Returns the number of cells.
     pub fn cells(&self) -> usize {
-        self.theta_i_deg.len() * self.azimuths_deg.len() * self.radials_deg.len()
+        self.lights_deg().len() * self.azimuths_deg.len() * self.radials_deg.len()
     }
 
-    /// Returns the viewer of a cell for light from `theta_i_deg`; `None` below the horizon.
+    /// Returns the viewer of a cell for light from `theta_i_deg`; `None` below the horizon. Mirror images in the plane of incidence are
+    /// the same.
     pub fn viewer(theta_i_deg: f64, azimuth_deg: f64, radial_deg: f64) -> Option<Viewer> {
+        Viewer::of_vector(Self::vector(theta_i_deg, azimuth_deg, radial_deg))
+    }
+
+    /// The same, on its own side of the plane of incidence.
+    pub(crate) fn viewer_on_side(theta_i_deg: f64, azimuth_deg: f64, radial_deg: f64) -> Option<Viewer> {
+        Viewer::of_either_side(Self::vector(theta_i_deg, azimuth_deg, radial_deg))
+    }
+
+    fn vector(theta_i_deg: f64, azimuth_deg: f64, radial_deg: f64) -> [f64; 3] {
         let (sin_i, cos_i) = theta_i_deg.to_radians().sin_cos();
         let (sin_r, cos_r) = radial_deg.to_radians().sin_cos();
         let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
         let towards = sin_r * cos_azimuth;
         // The light is at azimuth 0, and thus the mirror direction at 180.
-        Viewer::of_vector([
-            towards * cos_i - cos_r * sin_i,
-            sin_r * sin_azimuth,
-            cos_r * cos_i + towards * sin_i,
-        ])
+        [towards * cos_i - cos_r * sin_i, sin_r * sin_azimuth, cos_r * cos_i + towards * sin_i]
     }
 }
 
@@ -95,18 +118,23 @@ impl ViewerGrid for RingGrid {
         &self.theta_i_deg
     }
 
+    fn phi_i_deg(&self) -> &[f64] {
+        &self.phi_i_deg
+    }
+
     /// Cells in the order azimuth, distance, the last fastest. All azimuths have the same viewers for light
-    /// along the normal, and at the distance 0.
+    /// along the normal above an isotropic display, and at the distance 0.
     fn viewers(&self, light: usize) -> (Vec<Viewer>, Vec<Option<usize>>) {
-        let (theta_i, radials) = (self.theta_i_deg[light], self.radials_deg.len());
+        let (theta_i, radials) = (self.lights_deg()[light][0], self.radials_deg.len());
+        let is_round = self.phi_i_deg.is_empty() && theta_i == 0.0;
         let mut viewers = Vec::new();
         let mut numbers: Vec<Option<usize>> = Vec::with_capacity(self.azimuths_deg.len() * radials);
         for (row, azimuth) in self.azimuths_deg.iter().enumerate() {
             for (column, radial) in self.radials_deg.iter().enumerate() {
-                let number = if row > 0 && (theta_i == 0.0 || *radial == 0.0) {
+                let number = if row > 0 && (is_round || *radial == 0.0) {
                     numbers[column]
                 } else {
-                    Self::viewer(theta_i, *azimuth, *radial).map(|viewer| {
+                    Self::viewer_on_side(theta_i, *azimuth, *radial).map(|viewer| {
                         viewers.push(viewer);
                         viewers.len() - 1
                     })

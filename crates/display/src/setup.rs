@@ -194,16 +194,15 @@ impl Setup {
         })
     }
 
-    /// Refuses a BSDF of a display whose pixel depends on azimuth: it would be a function of two azimuths.
+    /// Refuses a BSDF without azimuths of the light of a display whose pixel depends on azimuth.
     pub(crate) fn check_isotropic(&self) -> Result<(), DisplayError> {
         if !self.stack.base().is_azimuthal() {
             return Ok(());
         }
         Err(DisplayError::Azimuth {
-            what: "a BSDF of the display",
+            what: "a BSDF of the display without azimuths of the light",
             key: "display.pixel",
-            hint: "its files are those of isotropic displays, with the azimuth between light and viewer alone; `papilio run` computes the viewers \
-                   and lamps of a scenario, each at its phi_deg, and all viewers with --cone; `papilio pixel --phi-step 5` writes the pixel alone",
+            hint: "with azimuths of the light, it is a function of both azimuths",
         })
     }
 

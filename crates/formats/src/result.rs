@@ -122,18 +122,24 @@ fn spectra_of(values: &StateValues) -> Vec<(String, &[f64])> {
     all
 }
 
-/// Writes `reflection.csv`: the reflection of a beam by each state, by inclination of the beam.
+/// Writes `reflection.csv`: the reflection of a beam by each state, by inclination of the beam, and by its azimuth where the display depends
+/// on it.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_reflection(out: impl Write, all: &[Reflection]) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["theta_deg", "state", "returned", "mirror", "haze", "lambertian", "beyond_2_5_deg"])?;
+    let is_azimuthal = all.iter().any(|one| one.phi_deg.is_some());
+    let titles =
+        ["theta_deg", "phi_deg", "state", "returned", "mirror", "haze", "lambertian", "beyond_2_5_deg"];
+    csv.write_record(titles.into_iter().filter(|title| is_azimuthal || *title != "phi_deg"))?;
     for one in all {
         for state in &one.states {
             let numbers = [state.returned, state.mirror, state.haze, state.lambertian].map(Some);
             let cells = numbers.into_iter().chain([state.beyond_straight]).map(cell);
-            csv.write_record([one.theta_deg.to_string(), state.name.clone()].into_iter().chain(cells))?;
+            let light =
+                [Some(one.theta_deg), one.phi_deg].into_iter().flatten().map(|angle| angle.to_string());
+            csv.write_record(light.chain([state.name.clone()]).chain(cells))?;
         }
     }
     csv.flush()

@@ -46,6 +46,7 @@ mod kernel;
 mod measurement;
 mod models;
 mod patch_rings;
+mod patch_turned;
 mod scattered;
 mod shape;
 mod tree;

@@ -11,12 +11,13 @@ use std::f64::consts::PI;
 use papilio_optics::{Beta, Scatterer};
 
 use crate::geometry::projected_solid_angle;
+use crate::patch_turned::turned_means;
 use crate::{
     Changes, GoniometryError, MeasuredPart, Preparation, Ring, SpecularGrid, Symmetry, kernel, patch_count,
 };
 
 /// Nodes and weights of Gauss and Legendre's rule on 0 to 1.
-const GAUSS: [[f64; 2]; 4] = [
+pub(crate) const GAUSS: [[f64; 2]; 4] = [
     [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
     [0.330_009_478_207_571_87, 0.326_072_577_431_273_07],
     [0.669_990_521_792_428_1, 0.326_072_577_431_273_07],
@@ -31,7 +32,7 @@ const PARTS: usize = 3;
 const SHIFTS: usize = 10;
 
 /// Azimuths from 0 to 180 deg at which scattered light is collected.
-const AZIMUTHS: usize = 361;
+pub(crate) const AZIMUTHS: usize = 361;
 
 /// Cosine of an inclination up to which a direction is on the horizon.
 const HORIZON: f64 = 1e-9;
@@ -57,7 +58,8 @@ fn squared_sines(rings: &[Ring], k: usize) -> [f64; 2] {
 
 /// Returns the mean of f between patches, `[in][out]`, 1/sr, of a display for each channel: its values on `grid`,
 /// whose incidences are [`ring_patch_lights`], and the fraction of the light that each incidence scatters. A display
-/// is reciprocal: what the rule of the rings leaves of an asymmetry is averaged.
+/// is reciprocal: what the rule of the rings leaves of an asymmetry is averaged. Of a display that depends on azimuth, the grid has
+/// rotations and no symmetry; light that is scattered is then that of each rotation and incidence.
 ///
 /// `None` if the lengths do not match.
 pub fn ring_patch_means(
@@ -65,8 +67,13 @@ pub fn ring_patch_means(
     channels: &[(&[f64], &[f64])],
     rings: &[Ring],
 ) -> Option<Vec<Vec<f64>>> {
+    if grid.symmetry == Symmetry::None {
+        let means = turned_means(grid, channels, rings)?;
+        return Some(means.iter().map(|(means, totals)| symmetric(means, totals, rings)).collect());
+    }
     let means = arrived(grid, channels, rings)?;
-    Some(means.iter().map(|(means, totals)| symmetric(means, totals, rings)).collect())
+    let of_patches = |totals: &[f64]| of_patches(totals, rings).collect::<Vec<f64>>();
+    Some(means.iter().map(|(means, totals)| symmetric(means, &of_patches(totals), rings)).collect())
 }
 
 /// Fineness of the totals of a lobe.
@@ -184,10 +191,29 @@ fn collected(
     channels: &[(&[f64], &[f64])],
     rings: &[Ring],
 ) -> Vec<Arrived> {
+    let mut found = vec![vec![[0.0; AZIMUTHS]; rings.len()]; channels.len()];
+    let values: Vec<&[f64]> = channels.iter().map(|(values, _)| *values).collect();
+    collect(grid, light, &values, rings, |(ring, node, beyond), _, light| {
+        for (found, light) in found.iter_mut().zip(light) {
+            found[ring][node] += light * (1.0 - beyond);
+            found[ring][node + 1] += light * beyond;
+        }
+    });
+    found
+}
+
+/// Calls `add` with the light about one incidence, given by its index, that arrives at a place ([`place`]): whether it is on the other side of
+/// the plane of incidence, at negative azimuths, and the light of each channel.
+pub(crate) fn collect(
+    grid: &SpecularGrid,
+    light: usize,
+    channels: &[&[f64]],
+    rings: &[Ring],
+    mut add: impl FnMut((usize, usize, f64), bool, &[f64]),
+) {
     let (azimuths, radials) = (&grid.azimuths_deg, &grid.radials_deg);
     let incidence_deg = grid.incidences_deg[light];
     let shifts = shifts(rings, light);
-    let mut found = vec![vec![[0.0; AZIMUTHS]; rings.len()]; channels.len()];
     // On the horizon, where light has no value, rounding decides whether a direction is above it.
     let is_above = |a: usize, r: usize| {
         SpecularGrid::direction(incidence_deg, azimuths[a], radials[r])
@@ -215,7 +241,7 @@ fn collected(
                 let size = radial.to_radians().sin() * length * width * up / weights.iter().sum::<f64>();
                 let light: Vec<f64> = channels
                     .iter()
-                    .map(|(values, _)| {
+                    .map(|values| {
                         let value = |(a, r): (usize, usize)| values[(row + a) * radials.len() + r].max(0.0);
                         size * corners
                             .iter()
@@ -225,16 +251,11 @@ fn collected(
                     })
                     .collect();
                 for shift in shifts {
-                    let (ring, node, beyond) = place([along + shift, across], rings);
-                    for (found, light) in found.iter_mut().zip(&light) {
-                        found[ring][node] += light * (1.0 - beyond);
-                        found[ring][node + 1] += light * beyond;
-                    }
+                    add(place([along + shift, across], rings), across < 0.0, &light);
                 }
             }
         }
     }
-    found
 }
 
 /// Returns the ring of a direction, given by direction cosines, and its azimuth: the collecting azimuth below
@@ -275,7 +296,7 @@ fn between(arrived: &[Arrived], rings: &[Ring]) -> Vec<f64> {
 
 /// Returns the fraction of an arc of the first width that lies in an arc of the second width, whose middles
 /// are `apart` degrees apart.
-fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
+pub(crate) fn overlap(apart: f64, [width, other]: [f64; 2]) -> f64 {
     let off = (apart + 180.0).rem_euclid(360.0) - 180.0;
     let both = |off: f64| (0.5 * (width + other) - off.abs()).clamp(0.0, width.min(other));
     // The arcs may meet on either side of the circle.
@@ -292,11 +313,10 @@ const STEPS: usize = 60;
 
 /// Averages each pair of patches and its reverse, and multiplies them by factors of both patches so that each
 /// column has its total.
-fn symmetric(means: &[f64], scattered: &[f64], rings: &[Ring]) -> Vec<f64> {
+fn symmetric(means: &[f64], totals: &[f64], rings: &[Ring]) -> Vec<f64> {
     let (count, omega) = (patch_count(rings), projected_solid_angle(rings));
     let reverse = |pair: usize| pair % count * count + pair / count;
     let found: Vec<f64> = (0..count * count).map(|pair| 0.5 * (means[pair] + means[reverse(pair)])).collect();
-    let totals: Vec<f64> = of_patches(scattered, rings).collect();
     let mut factors = vec![1.0; count];
     for _ in 0..STEPS {
         let next = |patch: usize| {

@@ -53,7 +53,10 @@ pub enum Refinable<'a> {
 ///
 /// The difference is proportional to the square of the distance between nodes.
 pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String> {
-    let BetweenError { relative, state, theta_i_deg, viewer } = error;
+    let BetweenError { relative, state, theta_i_deg, phi_i_deg, viewer } = error;
+    let azimuth = phi_i_deg.map_or_else(String::new, |phi| format!(", azimuth {phi:.1} deg"));
+    let turned =
+        if phi_i_deg.is_some() { "; a smaller --phi-step has more azimuths of the light" } else { "" };
     let help = || {
         match of {
         Refinable::Step(step, option, smallest) => finer(step, option, smallest, *relative),
@@ -72,8 +75,8 @@ pub fn between_warning(error: &BetweenError, of: Refinable<'_>) -> Option<String
     (*relative > MOST_MISSED).then(|| {
         format!(
             "between the directions of the file, what its readers interpolate differs by up to {} % from the display (luminous BRDF, \
-             relative to its value or to 1 % of the largest one for this light): state {state}, light from {theta_i_deg:.1} deg, viewer \
-             at {:.1} deg, azimuth {:.0} deg from the light\n  = help: {}",
+             relative to its value or to 1 % of the largest one for this light): state {state}, light from {theta_i_deg:.1} deg{azimuth}, viewer \
+             at {:.1} deg, azimuth {:.0} deg from the light\n  = help: {}{turned}",
             per_cent(*relative),
             viewer.theta_o_deg,
             viewer.dphi_deg,
@@ -104,18 +107,22 @@ fn finer(step: f64, option: &str, smallest: Option<f64>, relative: f64) -> Strin
     }
 }
 
-/// Returns the number of values of a table with steps of `step_deg` degrees, `usize::MAX` if it is too large.
-pub fn table_numbers(step_deg: f64, states: usize, wavelengths: usize) -> usize {
+/// Returns the number of values of a table with steps of `step_deg` degrees, `usize::MAX` if it is too large; `phi_step_deg`: the step of the
+/// azimuths of the light, if the display depends on them.
+pub fn table_numbers(step_deg: f64, phi_step_deg: Option<f64>, states: usize, wavelengths: usize) -> usize {
     let steps = (90.0 / step_deg).round() as usize;
-    [steps, steps.saturating_mul(2).saturating_add(1), states, wavelengths]
-        .into_iter()
-        .fold(steps, usize::saturating_mul)
+    let azimuths = match phi_step_deg {
+        Some(step) => steps.saturating_mul(4).saturating_mul((180.0 / step).round() as usize),
+        None => steps.saturating_mul(2).saturating_add(1),
+    };
+    [steps, azimuths, states, wavelengths].into_iter().fold(steps, usize::saturating_mul)
 }
 
 /// Returns the smallest of the usual steps, degrees, of which a table is permitted.
-pub fn smallest_step(states: usize, wavelengths: usize) -> Option<f64> {
-    let is_permitted = |step: &f64| table_numbers(*step, states, wavelengths) <= BrdfGrid::MOST_NUMBERS;
-    [9.0, 5.0].into_iter().chain(STEPS).filter(is_permitted).min_by(f64::total_cmp)
+pub fn smallest_step(phi_step_deg: Option<f64>, states: usize, wavelengths: usize) -> Option<f64> {
+    let is_permitted =
+        |step: &f64| table_numbers(*step, phi_step_deg, states, wavelengths) <= BrdfGrid::MOST_NUMBERS;
+    [15.0, 10.0, 9.0, 5.0].into_iter().chain(STEPS).filter(is_permitted).min_by(f64::total_cmp)
 }
 
 /// Returns a fraction in per cent, with two digits below 10.
@@ -133,8 +140,13 @@ mod tests {
     #[test]
     fn error_between_nodes_names_what_reduces_it() {
         let viewer = Viewer { cos_theta_o: 0.5, theta_o_deg: 60.0, dphi_deg: 170.0 };
-        let error =
-            |relative| BetweenError { relative, state: "white".to_owned(), theta_i_deg: 62.5, viewer };
+        let error = |relative| BetweenError {
+            relative,
+            state: "white".to_owned(),
+            theta_i_deg: 62.5,
+            phi_i_deg: None,
+            viewer,
+        };
         let warning = |relative, of| between_warning(&error(relative), of).unwrap_or_default();
         assert_eq!(warning(0.019, Refinable::Grid(64)), "");
         let text = warning(0.08, Refinable::Grid(64));
@@ -156,13 +168,14 @@ mod tests {
     /// x 73 at 2.5 deg.
     #[test]
     fn smallest_step_is_that_of_a_permitted_table() {
-        assert_eq!(table_numbers(1.0, 8, 81), 950_032_800);
-        assert_eq!((table_numbers(2.0, 8, 81), table_numbers(2.5, 8, 81)), (119_410_200, 61_305_984));
-        assert_eq!(
-            (smallest_step(8, 81), smallest_step(1, 1), smallest_step(8, usize::MAX)),
-            (Some(2.5), Some(0.3), None)
-        );
-        assert_eq!(table_numbers(1e-300, 8, 81), usize::MAX);
+        let numbers = |step| table_numbers(step, None, 8, 81);
+        assert_eq!((numbers(1.0), numbers(2.0), numbers(2.5)), (950_032_800, 119_410_200, 61_305_984));
+        let smallest = |states, bins| smallest_step(None, states, bins);
+        assert_eq!((smallest(8, 81), smallest(1, 1), smallest(8, usize::MAX)), (Some(2.5), Some(0.3), None));
+        assert_eq!(numbers(1e-300), usize::MAX);
+        // With 12 azimuths of the light and 72 of the viewer.
+        assert_eq!(table_numbers(5.0, Some(15.0), 2, 81), 2 * 81 * 18 * 18 * 12 * 72);
+        assert_eq!(smallest_step(Some(15.0), 8, 81), Some(9.0));
     }
 
     #[test]

@@ -18,8 +18,8 @@ use super::progress::{Progress, SAMPLE, part_of_pass};
 use super::refine::{Refined, finest, largest, largest_of_states, of_levels, refine, row_errors, slowness};
 use super::saved::{Kind, row_number};
 use super::{Control, SavedRows, Unsaved, Workers, each};
-use crate::brdf::{BrdfGrid, BrdfTable};
-use crate::scene::Scene;
+use crate::brdf::{BrdfGrid, BrdfTable, SameViewers};
+use crate::scene::{Pixel, Scene};
 use crate::setup::Setup;
 use crate::viewers::BrdfState;
 use crate::{DisplayError, RowErrors};
@@ -45,6 +45,11 @@ pub fn brdf_resumed(
     control: &Control<'_>,
     saved: &dyn SavedRows,
 ) -> Result<BrdfTable, DisplayError> {
+    if !grid.phi_i_deg.is_empty() {
+        return Ok(
+            super::viewers::brdf_at_viewers_resumed(scene, SameViewers(grid), control, saved)?.of_grid()
+        );
+    }
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
     setup.check_isotropic()?;
     let mut workers = None;
@@ -53,13 +58,26 @@ pub fn brdf_resumed(
     survey.run(pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
+/// Returns whether the BSDF of the scene's display depends on the azimuth of the light: its grid needs azimuths of the light then.
+///
+/// # Errors
+/// If the scene is invalid, or the computation was stopped.
+pub fn depends_on_azimuth(scene: &Scene, control: &Control<'_>) -> Result<bool, DisplayError> {
+    let pixel = &scene.display.pixel;
+    if !matches!(pixel, Pixel::Crystal(_)) && !pixel.is_azimuthal_table() {
+        return Ok(false);
+    }
+    let silent = Control { progress: &|_| {}, ..*control };
+    Ok(Setup::new(&scene.clone().unpolarised(), &silent)?.stack.base().is_azimuthal())
+}
+
 pub(super) struct Survey<'a> {
     pub(super) setup: &'a Setup,
     pub(super) control: &'a Control<'a>,
     /// Rows of an earlier computation, and where rows are saved.
     pub(super) saved: &'a dyn SavedRows,
     grid: &'a BrdfGrid,
-    /// One beam for each inclination of the light, from azimuth 0.
+    /// One beam for each direction of the light.
     pub(super) beams: Vec<Source>,
     /// Finest level that can be computed for the layers.
     pub(super) finest: usize,
@@ -108,8 +126,7 @@ impl<'a> Survey<'a> {
         grid: &'a BrdfGrid,
         finest: usize,
     ) -> Self {
-        let beam = |theta: &f64| Source::Beam(Beta::from_source(*theta, 0.0, 1.0));
-        let beams = grid.theta_i_deg.iter().map(beam).collect();
+        let beams = beams(&grid.lights_deg());
         Self { setup, control, saved, grid, beams, finest }
     }
 
@@ -322,9 +339,14 @@ impl<'a> Survey<'a> {
         Some((spectra, luminous, nodes))
     }
 
-    /// Computes the estimates in diffuse light, viewed from each inclination of the light.
+    /// Computes the estimates in diffuse light, viewed from each direction of the light.
     pub(super) fn returned(&self, kernel: &Kernel) -> Option<Vec<Estimate>> {
-        let fields: Vec<Cone> = self.grid.theta_i_deg.iter().map(|theta| view(*theta, 0.0)).collect();
+        self.returned_to(&self.grid.lights_deg(), kernel)
+    }
+
+    /// The same from these directions of the light.
+    pub(super) fn returned_to(&self, lights: &[[f64; 2]], kernel: &Kernel) -> Option<Vec<Estimate>> {
+        let fields: Vec<Cone> = lights.iter().map(|[theta, phi]| view(*theta, *phi)).collect();
         let mut kernel = kernel.unprepared();
         self.prepare(&mut kernel, &fields, &[Source::Diffuse])?;
         let seen = |view| kernel.estimate_unless(&self.setup.stack, view, self.control.stop);
@@ -347,13 +369,17 @@ impl<'a> Survey<'a> {
         table
     }
 
-    pub(super) fn specular(&self, state: usize) -> Vec<f64> {
+    fn specular(&self, state: usize) -> Vec<f64> {
+        self.of_state(state, self.images(&self.beams).iter())
+    }
+
+    /// Mirror images of beams.
+    pub(super) fn images(&self, beams: &[Source]) -> Vec<ReflectanceFactor> {
         let image = |beam: &Source| match beam {
             Source::Beam(beta) => Some(specular_image(&self.setup.stack, *beta)),
             _ => None,
         };
-        let images: Vec<ReflectanceFactor> = self.beams.iter().filter_map(image).collect();
-        self.of_state(state, images.iter())
+        beams.iter().filter_map(image).collect()
     }
 
     /// Concatenates the spectra of a state.
@@ -364,6 +390,11 @@ impl<'a> Survey<'a> {
     ) -> Vec<f64> {
         all.flat_map(|rho| rho.total().state(state).to_vec()).collect()
     }
+}
+
+/// Returns the beams from these inclinations and azimuths.
+pub(super) fn beams(lights_deg: &[[f64; 2]]) -> Vec<Source> {
+    lights_deg.iter().map(|[theta, phi]| Source::Beam(Beta::from_source(*theta, *phi, 1.0))).collect()
 }
 
 /// Returns the direction of a viewer in air.

@@ -26,7 +26,7 @@ use rayon::prelude::*;
 pub(crate) use adding::{Kernels, ViewGroupKernel};
 pub(crate) use auto::is_quick;
 pub use auto::{Forecast, THICKEST_FOR_MONTE_CARLO, expected_seconds, forecast};
-pub use brdf::{brdf, brdf_resumed};
+pub use brdf::{brdf, brdf_resumed, depends_on_azimuth};
 pub use cone::{always_by_adding, cone};
 pub use memory::{expected_bytes, expected_map_bytes, expected_view_bytes};
 pub use progress::{Progress, ProgressFraction};

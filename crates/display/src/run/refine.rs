@@ -46,11 +46,8 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         return Err(DisplayError::Particles { needs: polarisation::PATHS });
     }
     if !stack.adding_knows_azimuth() {
-        // Two levels are needed; further ones are computed where they fit.
-        let fits = |level: &u32| azimuthal_work(setup, *level).is_some();
-        let last = (1..=FINEST_OF_DIRECTIONS).take_while(fits).last();
-        let refused = if is_azimuthal(stack) { MANY_DIRECTIONS } else { AZIMUTH_BELOW_SCATTERER };
-        return last.map(|level| level as usize).ok_or(refused);
+        let views: Vec<Cone> = setup.views.iter().map(|view| view.field).collect();
+        return finest_by_direction(stack, &views, &setup.sources);
     }
     if let Some(width) = width_of_panel(stack)
         && width < NARROWEST_IN_FIELDS
@@ -75,6 +72,22 @@ pub(crate) fn finest(setup: &Setup) -> Result<usize, DisplayError> {
         Some(level) if level > 0 => Ok(level as usize),
         _ => Err(too_narrow(stack)),
     }
+}
+
+/// Returns the finest level of light by direction, where adding does not know the azimuth at the pixel otherwise.
+///
+/// # Errors
+/// If it does not compute these layers, or these views and sources.
+pub(crate) fn finest_by_direction(
+    stack: &Stack,
+    views: &[Cone],
+    sources: &[Source],
+) -> Result<usize, DisplayError> {
+    // Two levels are needed; further ones are computed where they fit.
+    let fits = |level: &u32| azimuthal_seconds(stack, views, sources, *level).is_some();
+    let last = (1..=FINEST_OF_DIRECTIONS).take_while(fits).last();
+    let refused = if is_azimuthal(stack) { MANY_DIRECTIONS } else { AZIMUTH_BELOW_SCATTERER };
+    last.map(|level| level as usize).ok_or(refused)
 }
 
 /// Estimates the work of a level of adding for a diffuser above a pixel that depends on azimuth, in seconds; `None` if it does not

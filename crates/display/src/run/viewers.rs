@@ -8,16 +8,16 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use papilio_transport::Cone;
 use papilio_transport::adding::{Kernel, error_over_difference};
+use papilio_transport::{Cone, Source};
 use rayon::ThreadPool;
 
-use super::brdf::{OfViewers, Survey, view};
+use super::brdf::{OfViewers, Survey, beams, view};
 use super::cone::target;
-use super::refine::{finest, largest, largest_of_states, row_errors, slowness};
+use super::refine::{finest, finest_by_direction, largest, largest_of_states, row_errors, slowness};
 use super::saved::{Kind, row_number};
 use super::{Control, Progress, SavedRows, Unsaved, Workers, each};
-use crate::brdf::BrdfGrid;
+use crate::brdf::{BrdfGrid, half_turn};
 use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::viewers::{BrdfState, Viewer, ViewerGrid, ViewerTable};
@@ -33,6 +33,10 @@ const TOGETHER_BELOW_LAYERS: usize = 128;
 
 /// Azimuths of the sample of directions that determines the level.
 const SAMPLED_DPHI_DEG: [f64; 3] = [0.0, 90.0, 180.0];
+
+/// Step of the azimuths of the light in that sample, where there are any, and the most inclinations then.
+const SAMPLED_PHI_DEG: f64 = 60.0;
+const SAMPLED_INCLINATIONS: usize = 4;
 
 /// Computes the BSDF of the scene's display at the viewers of a grid, by adding independently of the scene's
 /// method.
@@ -60,20 +64,44 @@ pub fn brdf_at_viewers_resumed<G: ViewerGrid>(
     saved: &dyn SavedRows,
 ) -> Result<ViewerTable<G>, DisplayError> {
     let setup = Setup::new(&scene.clone().unpolarised(), control)?;
-    setup.check_isotropic()?;
+    if grid.phi_i_deg().is_empty() {
+        setup.check_isotropic()?;
+    }
     let mut workers = None;
     let pool = Workers::unless_one(&mut workers, control.threads)?;
-    let lights = grid.theta_i_deg().to_vec();
-    let sampled =
-        BrdfGrid { theta_i_deg: lights.clone(), theta_o_deg: lights, dphi_deg: SAMPLED_DPHI_DEG.to_vec() };
-    let survey = Survey::new((&setup, control, saved), &sampled, finest(&setup)?);
-    let viewers = (0..grid.theta_i_deg().len()).map(|light| grid.viewers(light).0).collect();
-    let tables = ByLight { survey, viewers };
+    let (theta_i_deg, lights) = (grid.theta_i_deg().to_vec(), grid.lights_deg());
+    let mut sampled = BrdfGrid {
+        theta_i_deg: theta_i_deg.clone(),
+        phi_i_deg: Vec::new(),
+        theta_o_deg: theta_i_deg,
+        dphi_deg: SAMPLED_DPHI_DEG.to_vec(),
+    };
+    if !grid.phi_i_deg().is_empty() {
+        let every = sampled.theta_i_deg.len().div_ceil(SAMPLED_INCLINATIONS).max(1);
+        sampled.theta_i_deg = sampled.theta_i_deg.into_iter().rev().step_by(every).rev().collect();
+        sampled.phi_i_deg = half_turn(SAMPLED_PHI_DEG);
+    }
+    let viewers: Vec<Vec<Viewer>> = (0..lights.len()).map(|light| grid.viewers(light).0).collect();
+    let beams = beams(&lights);
+    let of_first = beams.first().zip(viewers.first()).filter(|_| !setup.stack.adding_knows_azimuth());
+    let finest = match of_first {
+        Some((beam, viewers)) => {
+            let views: Vec<Cone> = viewers.iter().map(|viewer| cone(viewer, lights[0][1])).collect();
+            finest_by_direction(&setup.stack, &views, std::slice::from_ref(beam))?
+        }
+        None => finest(&setup)?,
+    };
+    let survey = Survey::new((&setup, control, saved), &sampled, finest);
+    let tables = ByLight { survey, lights, beams, viewers };
     tables.run(grid, pool).ok_or(DisplayError::Interrupted)?.finite()
 }
 
 struct ByLight<'a> {
+    /// Of the sampled directions.
     survey: Survey<'a>,
+    /// Directions of the light, inclination and azimuth, degrees, and their beams.
+    lights: Vec<[f64; 2]>,
+    beams: Vec<Source>,
     /// Viewers of each direction of the light.
     viewers: Vec<Vec<Viewer>>,
 }
@@ -90,7 +118,7 @@ impl ByLight<'_> {
         let mut relative = vec![sample.error; states * self.viewers.iter().map(Vec::len).sum::<usize>()];
         if setup.stack.panel().is_none() {
             let rest = slowness([&sample.finer, &sample.coarser], sample.before.as_deref());
-            let times = error_over_difference(&setup.stack, &self.survey.beams).max(rest);
+            let times = error_over_difference(&setup.stack, &self.beams).max(rest);
             let mut level = sample.level;
             let mut coarser = self.scattered(&Kernel::new(level as u32 - 1), (level - 1, 1), pool)?;
             for pass in 2.. {
@@ -105,7 +133,8 @@ impl ByLight<'_> {
                 lights = self.scattered(&kernel, (level, pass), pool)?;
             }
         }
-        let returned = self.survey.returned(&kernel)?;
+        let returned = self.survey.returned_to(&self.lights, &kernel)?;
+        let images = self.survey.images(&self.beams);
         let bins = setup.scene.grid.len();
         let state = |(number, name): (usize, &String)| BrdfState {
             name: name.clone(),
@@ -114,7 +143,7 @@ impl ByLight<'_> {
                 .flat_map(|light| light.spectra.chunks_exact(states * bins))
                 .flat_map(|viewer| viewer[number * bins..][..bins].iter().copied())
                 .collect(),
-            specular: self.survey.specular(number),
+            specular: self.survey.of_state(number, images.iter()),
             directional_hemispherical: self
                 .survey
                 .of_state(number, returned.iter().map(|estimate| &estimate.rho[0])),
@@ -155,13 +184,15 @@ impl ByLight<'_> {
         // Data of a panel that do not depend on the viewers.
         let mut common = kernel.unprepared().without_ledger();
         if stack.panel().is_some() {
-            let all: Vec<Cone> = self.viewers.first()?.iter().take(1).map(cone).collect();
-            common.prepare_common(stack, &all, &survey.beams, stop).then_some(())?;
+            let all: Vec<Cone> =
+                self.viewers.first()?.iter().take(1).map(|viewer| cone(viewer, 0.0)).collect();
+            common.prepare_common(stack, &all, &self.beams, stop).then_some(())?;
         }
-        // Kernels of general layers keep what does not depend on the viewers for their next ones.
+        // Kernels of general layers keep what does not depend on the viewers for their next ones; light by direction is prepared for all.
         let (at_once, together) = match stack.panel() {
             Some(_) => (TOGETHER, TOGETHER),
-            None => (usize::MAX, TOGETHER_BELOW_LAYERS),
+            None if stack.adding_knows_azimuth() => (usize::MAX, TOGETHER_BELOW_LAYERS),
+            None => (usize::MAX, usize::MAX),
         };
         let mut parts: Vec<(usize, &[Viewer], OfViewers)> = self
             .viewers
@@ -191,10 +222,10 @@ impl ByLight<'_> {
                 *found = known;
                 return report();
             }
-            let beam = &survey.beams[*light..=*light];
+            let (beam, phi_i_deg) = (&self.beams[*light..=*light], self.lights[*light][1]);
             let mut own = kernel.unprepared().without_ledger();
             for some in viewers.chunks(together) {
-                let fields: Vec<Cone> = some.iter().map(cone).collect();
+                let fields: Vec<Cone> = some.iter().map(|viewer| cone(viewer, phi_i_deg)).collect();
                 own.prepare_part(&common, stack, &fields, beam, stop).then_some(())?;
                 for viewer in 0..fields.len() {
                     for rho in &own.estimate_unless(stack, viewer, stop)?.rho {
@@ -218,7 +249,7 @@ impl ByLight<'_> {
     }
 }
 
-/// Returns the direction of a viewer in air.
-fn cone(viewer: &Viewer) -> Cone {
-    view(viewer.theta_o_deg, viewer.dphi_deg)
+/// Returns the direction of a viewer in air, for light from this azimuth.
+fn cone(viewer: &Viewer, phi_i_deg: f64) -> Cone {
+    view(viewer.theta_o_deg, phi_i_deg + viewer.dphi_deg)
 }

@@ -18,7 +18,7 @@ fn scene(name: &str) -> Scene {
 fn on_half_vectors(scene: &Scene, theta_i_deg: &[f64], size: usize) -> HalfVectorTable {
     // The lobe of `indoor` has 1.6 deg; that of the others is broad.
     let width_deg = theta_i_deg.iter().map(|theta| 1.6 / theta.to_radians().cos()).collect();
-    let grid = HalfVectorGrid { theta_i_deg: theta_i_deg.to_vec(), size, width_deg };
+    let grid = HalfVectorGrid { theta_i_deg: theta_i_deg.to_vec(), phi_i_deg: Vec::new(), size, width_deg };
     let stop = AtomicBool::new(false);
     let control = Control { threads: Some(2), progress: &|_| {}, stop: &stop };
     brdf_at_viewers(scene, grid, &control).unwrap()
@@ -38,6 +38,7 @@ fn values_on_half_vectors_equal_those_of_a_table() {
         for (number, viewer) in viewers.iter().enumerate().step_by(8) {
             let grid = BrdfGrid {
                 theta_i_deg: vec![40.0],
+                phi_i_deg: Vec::new(),
                 theta_o_deg: vec![viewer.theta_o_deg],
                 dphi_deg: vec![viewer.dphi_deg],
             };

@@ -534,7 +534,12 @@ fn computations_without_azimuth_are_refused() {
         Scenario::from_text(layered, "layered.toml", Path::new(""), &[]).unwrap().resolve().unwrap().scene;
     let stop = AtomicBool::new(false);
     let control = Control { threads: None, progress: &|_| {}, stop: &stop };
-    let grid = BrdfGrid { theta_i_deg: vec![0.0], theta_o_deg: vec![0.0], dphi_deg: vec![0.0] };
+    let grid = BrdfGrid {
+        theta_i_deg: vec![0.0],
+        phi_i_deg: Vec::new(),
+        theta_o_deg: vec![0.0],
+        dphi_deg: vec![0.0],
+    };
     for scene in [&twisted(&[]), &layered] {
         let found = papilio_display::brdf(scene, grid.clone(), &control);
         assert!(matches!(found, Err(DisplayError::Azimuth { .. })));

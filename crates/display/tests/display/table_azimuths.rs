@@ -267,6 +267,98 @@ fn haze_film_above_the_table_is_an_integral_over_directions() {
     }
 }
 
+/// BSDF at these inclinations of light and viewer, `[light][phi_i][viewer][dphi][state]` times the wavelengths.
+fn bsdf(scene: &Scene, grid: BrdfGrid) -> papilio_display::BrdfTable {
+    let stop = AtomicBool::new(false);
+    papilio_display::brdf(scene, grid, &Control { threads: Some(1), progress: &|_| {}, stop: &stop }).unwrap()
+}
+
+/// The BSDF below a haze film that reflects: both solvers in the light of a lamp at the same directions, light and viewer exchanged, both
+/// turned by half a turn, and the display turned by 90 deg.
+#[test]
+fn bsdf_by_azimuth_is_that_of_lamps_is_reciprocal_and_turns_with_the_display() {
+    let film = HAZE.replace(
+        "0.9 }",
+        "0.9, reflection = { total_reflectance = 0.04, model = \"k-correlation\", width = 0.06 } }",
+    );
+    let hazy = format!("{film}, {FACE}");
+    let tight = ["solver.relative_error=1e-4"];
+    let scene = display(&hazy, &tight);
+    let turned = display_of(&hazy, &csv(90.0, 180), &tight).scene;
+    let grid = |phi_i_deg: &[f64]| BrdfGrid {
+        theta_i_deg: vec![0.0, 25.0, 40.0],
+        phi_i_deg: phi_i_deg.to_vec(),
+        theta_o_deg: vec![0.0, 25.0, 40.0],
+        dphi_deg: vec![0.0, 70.0, 170.0, 190.0, 290.0],
+    };
+    let (of, across) = (bsdf(&scene, grid(&[20.0, 90.0, 110.0, 180.0])), bsdf(&turned, grid(&[110.0])));
+    let at = |table: &papilio_display::BrdfTable, state: usize, [i, phi, o, dphi]: [usize; 4]| {
+        let row = ((i * table.grid.phi_i_deg.len() + phi) * 3 + o) * 5 + dphi;
+        table.states[state].brdf[row * NM.len()..][..NM.len()]
+            .iter()
+            .map(|f| f64::from(*f))
+            .collect::<Vec<_>>()
+    };
+    let same = |a: &[f64], b: &[f64], error: f64| {
+        let away = a.iter().zip(b).map(|(a, b)| (a - b).abs() / b.max(1e-3)).fold(0.0, f64::max);
+        assert!(away < error, "{a:?} {b:?}");
+    };
+    for state in 0..STATES.len() {
+        for i in 1..3 {
+            for o in 1..3 {
+                for dphi in 0..5 {
+                    // The same display, turned.
+                    same(&at(&of, state, [i, 0, o, dphi]), &at(&across, state, [i, 0, o, dphi]), 1e-3);
+                }
+                // From 20 to 90 deg and back (290 = -70 deg); from 110 to 180 deg.
+                for (from, to) in [(0, 1), (2, 3)] {
+                    let (there, back) = (at(&of, state, [i, from, o, 1]), at(&of, state, [o, to, i, 4]));
+                    same(&there, &back, 1e-3);
+                }
+            }
+        }
+        let away = at(&of, state, [2, 0, 2, 2])[1] / at(&of, state, [2, 2, 2, 2])[1] - 1.0;
+        assert!(away.abs() > 0.03, "{away}");
+    }
+    let lamp = "lighting.directed=[{theta_deg=40,phi_deg=110,share=1}]";
+    let set = [lamp, "lighting.diffuse=0", "viewer.theta_deg=[0,25,40]", "viewer.phi_deg=280"];
+    for (method, stop, error) in [("adding", "1e-4", 5e-4), ("monte-carlo", "2e-3", 0.01)] {
+        let (method, stop) = (format!("solver.method={method}"), format!("solver.relative_error={stop}"));
+        for (o, found) in spectra(&display(&hazy, &[&set[..], &[&method, &stop]].concat())).iter().enumerate()
+        {
+            for (state, found) in found.iter().enumerate() {
+                let f: Vec<f64> = found.iter().map(|r| r / std::f64::consts::PI).collect();
+                same(&at(&of, state, [2, 2, o, 2]), &f, error);
+            }
+        }
+    }
+    // The light that leaves, by reciprocity, is the sum over viewers on a fine grid.
+    let fine = BrdfGrid { theta_i_deg: vec![25.0], phi_i_deg: vec![0.0], ..BrdfGrid::around(5.0, 90.0) };
+    assert!(bsdf(&display(&hazy, &[]), fine).missed() < 0.05);
+}
+
+/// Without a scatterer, the table has the mirror part alone: the chain of the faces, at each azimuth.
+#[test]
+fn bsdf_of_flat_layers_is_the_mirror_part_of_each_azimuth() {
+    let grid =
+        BrdfGrid { theta_i_deg: vec![0.0, 50.0], theta_o_deg: vec![50.0], ..BrdfGrid::around(90.0, 45.0) };
+    let table = bsdf(&display(COVER, &[]), grid);
+    for (state, found) in table.states.iter().enumerate() {
+        assert!(found.brdf.iter().all(|f| *f == 0.0));
+        for (light, [theta_deg, phi_deg]) in table.grid.lights_deg().into_iter().enumerate() {
+            let sine = theta_deg.to_radians().sin();
+            for bin in 0..NM.len() {
+                let expected = chain(&[1.52, 1.0, 1.5], sine, between(state, in_glass(sine), phi_deg, bin));
+                for r in
+                    [&found.specular, &found.directional_hemispherical].map(|all| all[light * NM.len() + bin])
+                {
+                    assert!((r - expected).abs() < 2e-6, "{theta_deg} {phi_deg}: {r} {expected}");
+                }
+            }
+        }
+    }
+}
+
 /// A display that is turned by 30 deg shows what it showed to a viewer and a lamp that are turned back.
 #[test]
 fn turned_table_is_seen_as_by_turned_viewers_and_lamps() {
@@ -343,7 +435,12 @@ fn computations_without_azimuth_are_refused() {
     let hazy = format!("{HAZE}, {FACE}");
     let stop = AtomicBool::new(false);
     let control = Control { threads: None, progress: &|_| {}, stop: &stop };
-    let grid = BrdfGrid { theta_i_deg: vec![0.0], theta_o_deg: vec![0.0], dphi_deg: vec![0.0] };
+    let grid = BrdfGrid {
+        theta_i_deg: vec![0.0],
+        phi_i_deg: Vec::new(),
+        theta_o_deg: vec![0.0],
+        dphi_deg: vec![0.0],
+    };
     for layers in [FACE, COVER, &hazy] {
         let found = papilio_display::brdf(&display(layers, &[]), grid.clone(), &control);
         assert!(matches!(found, Err(DisplayError::Azimuth { key: "display.pixel", .. })), "{layers}");

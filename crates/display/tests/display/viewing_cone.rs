@@ -247,7 +247,12 @@ fn run_with_a_beam_equals_the_bsdf() {
     (scene.lighting.directed[0].theta_deg, scene.lighting.directed[0].phi_deg) = (30.0, 100.0);
     (scene.viewer.theta_deg, scene.viewer.phi_deg, scene.viewer.field_deg) = (vec![20.0], vec![250.0], 0.01);
     let run = run_on(&scene, Some(1)).unwrap();
-    let one = BrdfGrid { theta_i_deg: vec![30.0], theta_o_deg: vec![20.0], dphi_deg: vec![150.0] };
+    let one = BrdfGrid {
+        theta_i_deg: vec![30.0],
+        phi_i_deg: Vec::new(),
+        theta_o_deg: vec![20.0],
+        dphi_deg: vec![150.0],
+    };
     let table = table(&scene, one);
     for (state, (name, exact)) in table.states.iter().zip(run.views[0].states.iter()) {
         assert_eq!(state.name, name);
@@ -353,8 +358,12 @@ fn bsdf_of_a_rough_interface_at_grazing_incidence_equals_its_kernel() {
     let sets = ["spectrum.step_nm=80", "display.layers.0.alpha=0.35", "display.pixel.reflectance.white=0.7"];
     let mut scene = scenario("rough-glass", &sets).unwrap().scene;
     scene.solver.stop = Stop::RelativeError { target: 1e-4, per_wavelength: false };
-    let grid =
-        BrdfGrid { theta_i_deg: vec![85.0, 89.0], theta_o_deg: vec![85.0], dphi_deg: vec![0.0, 180.0] };
+    let grid = BrdfGrid {
+        theta_i_deg: vec![85.0, 89.0],
+        phi_i_deg: Vec::new(),
+        theta_o_deg: vec![85.0],
+        dphi_deg: vec![0.0, 180.0],
+    };
     let table = table(&scene, grid);
     let face = Rough::new(0.35, 1.0, 1.5);
     let white = table.states.iter().position(|state| state.name == "white").unwrap();

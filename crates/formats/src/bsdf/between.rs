@@ -3,7 +3,9 @@
 
 use std::io;
 
-use papilio_display::{BrdfTable, HalfVectorTable, ProbeGrid, RingTable, Viewer, ViewerGrid, ViewerTable};
+use papilio_display::{
+    BrdfGrid, BrdfTable, HalfVectorTable, ProbeGrid, RingTable, Viewer, ViewerGrid, ViewerTable,
+};
 use papilio_goniometry::{Channel, Direction, Geometry, MeasuredPart, ScatterMode, SphericalGrid};
 
 use super::display_klems::patches_part;
@@ -34,6 +36,8 @@ pub struct BetweenError {
     pub state: String,
     /// Inclination of the light, degrees.
     pub theta_i_deg: f64,
+    /// Azimuth of the light, degrees, where the display depends on it.
+    pub phi_i_deg: Option<f64>,
     /// Direction of the viewer.
     pub viewer: Viewer,
 }
@@ -53,23 +57,19 @@ pub fn between_error(
     let weights = luminous_weights(&probes.wavelength_nm);
     let mut largest: Option<BetweenError> = None;
     for (number, state) in probes.states.iter().enumerate() {
-        let part = part(exported, number)?;
-        let channel = part.luminous();
+        let reader = Reader::of(exported, number)?;
         let mut rest = state.brdf.chunks_exact(weights.len().max(1));
-        for (light, theta_i_deg) in probes.grid.theta_i_deg().iter().enumerate() {
+        for (light, [theta_i_deg, phi_i_deg]) in probes.grid.lights_deg().into_iter().enumerate() {
             let (viewers, _) = probes.grid.viewers(light);
             let exact: Vec<f64> = rest.by_ref().take(viewers.len()).map(|f| luminous(f, &weights)).collect();
             let most = exact.iter().copied().fold(0.0, f64::max);
             for (viewer, exact) in viewers.iter().zip(exact) {
-                let to = Direction::new(viewer.theta_o_deg, viewer.dphi_deg);
-                let Some(read) = part.evaluate(channel, Direction::new(*theta_i_deg, 0.0), to) else {
-                    continue;
-                };
+                let Some(read) = reader.evaluate([theta_i_deg, phi_i_deg], viewer) else { continue };
                 let relative = (read - exact).abs() / exact.max(FAINT * most);
                 if relative.is_finite() && largest.as_ref().is_none_or(|found| relative > found.relative) {
                     let state = state.name.clone();
-                    largest =
-                        Some(BetweenError { relative, state, theta_i_deg: *theta_i_deg, viewer: *viewer });
+                    let phi_i_deg = (!probes.grid.phi_i_deg().is_empty()).then_some(phi_i_deg);
+                    largest = Some(BetweenError { relative, state, theta_i_deg, phi_i_deg, viewer: *viewer });
                 }
             }
         }
@@ -82,16 +82,85 @@ fn luminous(spectrum: &[f32], weights: &[f64]) -> f64 {
     spectrum.iter().zip(weights).map(|(f, weight)| f64::from(f.max(0.0)) * weight).sum()
 }
 
-/// Returns the luminous values of a state as the readers of the format understand them.
-fn part(exported: Exported<'_>, state: usize) -> io::Result<MeasuredPart> {
-    match exported {
-        Exported::Directions(table) => grid_part(table, state),
-        Exported::HalfVectors(table) => luminous_part(table, state),
-        Exported::Rings(table) => Ok(rings_part(table, state)?.0),
-        Exported::Patches(table) => patches_part(table, state),
+/// The luminous values of a state as the readers of the format understand them.
+enum Reader<'a> {
+    Part(MeasuredPart),
+    /// A grid with azimuths of the light: linear along each axis, with the azimuth of the viewer relative to that of the light.
+    Around(&'a BrdfGrid, Vec<f64>),
+}
+
+impl<'a> Reader<'a> {
+    fn of(exported: Exported<'a>, state: usize) -> io::Result<Self> {
+        let part = match exported {
+            Exported::Directions(table) => {
+                let part = grid_part(table, state)?;
+                if !table.grid.phi_i_deg.is_empty() {
+                    return Ok(Self::Around(&table.grid, part.values));
+                }
+                part
+            }
+            Exported::HalfVectors(table) => luminous_part(table, state)?,
+            Exported::Rings(table) => rings_part(table, state)?.0,
+            Exported::Patches(table) => patches_part(table, state)?,
+        };
+        Ok(Self::Part(part))
+    }
+
+    /// Returns the value for light from an inclination and azimuth; `None` beyond the directions of the file.
+    fn evaluate(&self, [theta_i_deg, phi_i_deg]: [f64; 2], viewer: &Viewer) -> Option<f64> {
+        match self {
+            Self::Part(part) => {
+                let from = Direction::new(theta_i_deg, phi_i_deg);
+                let to = Direction::new(viewer.theta_o_deg, phi_i_deg + viewer.dphi_deg);
+                part.evaluate(part.luminous(), from, to)
+            }
+            Self::Around(grid, values) => {
+                let places = [
+                    between(&grid.theta_i_deg, theta_i_deg)?,
+                    around(&grid.phi_i_deg, phi_i_deg, 180.0),
+                    between(&grid.theta_o_deg, viewer.theta_o_deg)?,
+                    around(&grid.dphi_deg, viewer.dphi_deg, 360.0),
+                ];
+                let lengths = [&grid.theta_i_deg, &grid.phi_i_deg, &grid.theta_o_deg, &grid.dphi_deg];
+                let corner = |corner: usize| {
+                    let picked = places.iter().zip(lengths).enumerate().map(|(axis, (place, length))| {
+                        let (node, weight) = place[corner >> axis & 1];
+                        (node, weight, length.len())
+                    });
+                    let (cell, weight) = picked.fold((0, 1.0), |(cell, product), (node, weight, length)| {
+                        (cell * length + node, product * weight)
+                    });
+                    weight * values.get(cell).copied().unwrap_or(0.0)
+                };
+                Some((0..16).map(corner).sum())
+            }
+        }
     }
 }
 
+/// The nodes of an axis next to an angle, with their weights; `None` beyond its ends.
+fn between(axis: &[f64], angle: f64) -> Option<[(usize, f64); 2]> {
+    let upper = axis.partition_point(|node| *node < angle);
+    if upper == 0 {
+        return (axis.first() == Some(&angle)).then_some([(0, 1.0), (0, 0.0)]);
+    }
+    let [low, high] = [axis[upper - 1], *axis.get(upper)?];
+    let beyond = (angle - low) / (high - low);
+    Some([(upper - 1, 1.0 - beyond), (upper, beyond)])
+}
+
+/// The same on an axis that begins again after a `period`.
+fn around(axis: &[f64], angle: f64, period: f64) -> [(usize, f64); 2] {
+    let (count, first) = (axis.len(), axis.first().copied().unwrap_or(0.0));
+    let angle = first + (angle - first).rem_euclid(period);
+    let upper = axis.partition_point(|node| *node <= angle).max(1);
+    let (low, next) = (axis.get(upper - 1).copied().unwrap_or(0.0), upper % count.max(1));
+    let gap = if next == 0 { first + period - low } else { axis[next] - low };
+    let beyond = (angle - low) / gap;
+    [(upper - 1, 1.0 - beyond), (next, beyond)]
+}
+
+/// The values on the directions of a table; with azimuths of the light, only the values.
 fn grid_part(table: &BrdfTable, state: usize) -> io::Result<MeasuredPart> {
     let (grid, bins) = (&table.grid, table.wavelength_nm.len().max(1));
     let found = table.states.get(state).filter(|found| found.brdf.len() == grid.pairs() * bins);

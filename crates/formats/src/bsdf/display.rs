@@ -1,4 +1,5 @@
-//! Writer of the display's BSDF, `display-bsdf.npz`, format "papilio-bsdf 1": NumPy arrays in a zip archive.
+//! Writer of the display's BSDF, `display-bsdf.npz`, format "papilio-bsdf 1": NumPy arrays in a zip archive. With azimuths of the light,
+//! for a display that depends on azimuth, it is "papilio-bsdf 2".
 //!
 //! `docs/brdf.md` describes the format.
 
@@ -54,6 +55,16 @@ const CONVENTIONS: Conventions = Conventions {
     polarisation: "unpolarised",
 };
 
+/// The same with azimuths of the light.
+const CONVENTIONS_BY_AZIMUTH: Conventions = Conventions {
+    brdf: "dL_o/dE_i in 1/sr of the scattered light, per wavelength, without a cosine; axes state, theta_i, phi_i, theta_o, dphi, wavelength",
+    specular: "fraction of a beam that leaves in the mirror direction (theta_o = theta_i, dphi = 180); axes state, theta_i, phi_i, wavelength",
+    directional_hemispherical: "fraction of a beam that leaves, scattered and mirrored; axes state, theta_i, phi_i, wavelength",
+    directions: "theta_i (light) and theta_o (viewer) from the normal, both pointing away from the display; phi_i counter-clockwise from x as seen \
+                 by the viewer, the same values for phi_i + 180; dphi = phi_o - phi_i, over a whole turn; degrees",
+    ..CONVENTIONS
+};
+
 #[derive(Serialize)]
 struct Solver {
     method: &'static str,
@@ -75,28 +86,31 @@ pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -
     let grid = &table.grid;
     let axes = [
         ("theta_i_deg", &grid.theta_i_deg),
+        ("phi_i_deg", &grid.phi_i_deg),
         ("theta_o_deg", &grid.theta_o_deg),
         ("dphi_deg", &grid.dphi_deg),
         ("wavelength_nm", &table.wavelength_nm),
     ];
-    for (name, values) in axes {
+    let is_isotropic = grid.phi_i_deg.is_empty();
+    let axes: Vec<_> = axes.into_iter().filter(|(name, _)| !(is_isotropic && *name == "phi_i_deg")).collect();
+    for (name, values) in &axes {
         array(name, &[values.len()], Items::Double(values))?;
     }
-    let lengths = axes.map(|(_, values)| values.len());
+    let lengths: Vec<usize> = axes.iter().map(|(_, values)| values.len()).collect();
+    let (of_pairs, of_light) = (&lengths[..lengths.len() - 1], &lengths[..lengths.len() - 3]);
+    let bins = table.wavelength_nm.len();
     let states = table.states.len();
     let names: Vec<&str> = table.states.iter().map(|state| state.name.as_str()).collect();
     array("state", &[states], Items::Text(&names))?;
     let brdf: Vec<&[f32]> = table.states.iter().map(|state| state.brdf.as_slice()).collect();
-    let shape = [states, lengths[0], lengths[1], lengths[2], lengths[3]];
-    array("brdf", &shape, Items::Single(&brdf))?;
-    let shape = [states, lengths[0], lengths[3]];
+    array("brdf", &[&[states], &lengths[..]].concat(), Items::Single(&brdf))?;
+    let shape = [&[states], of_light, &[bins]].concat();
     let specular: Vec<f64> = table.states.iter().flat_map(|state| state.specular.iter().copied()).collect();
     array("specular", &shape, Items::Double(&specular))?;
     let leaving = table.states.iter().flat_map(|state| state.directional_hemispherical.iter().copied());
     array("directional_hemispherical", &shape, Items::Double(&leaving.collect::<Vec<f64>>()))?;
     if table.row_errors.allowed.is_some() {
-        let shape = [states, lengths[0], lengths[1], lengths[2]];
-        array("error", &shape, Items::Double(&table.row_errors.relative))?;
+        array("error", &[&[states], of_pairs].concat(), Items::Double(&table.row_errors.relative))?;
     }
     array("about", &[], Items::Text(&[&about(source, table)?]))?;
     archive.finish()?.into_inner().flush()
@@ -104,13 +118,14 @@ pub fn write_bsdf(out: impl Write, source: &BsdfSource<'_>, table: &BrdfTable) -
 
 fn about(source: &BsdfSource<'_>, table: &BrdfTable) -> io::Result<String> {
     let (nodes, discretisation_error) = (table.nodes, table.discretisation_error);
+    let is_isotropic = table.grid.phi_i_deg.is_empty();
     let about = About {
         format: "papilio-bsdf",
-        version: 1,
+        version: if is_isotropic { 1 } else { 2 },
         papilio: source.papilio,
         title: source.title,
         hash: source.hash,
-        conventions: CONVENTIONS,
+        conventions: if is_isotropic { CONVENTIONS } else { CONVENTIONS_BY_AZIMUTH },
         solver: Solver { method: "adding", nodes, discretisation_error },
     };
     Ok(serde_json::to_string(&about)?)

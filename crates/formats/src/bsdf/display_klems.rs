@@ -14,8 +14,12 @@ use super::write::{BsdfFormat, write_measurement};
 
 /// Returns the directions from which [`write_bsdf_klems`] averages, for a display with a lobe of these
 /// widths: those of the tabular BSDF, with every second azimuth, because a lobe hardly depends on it.
-pub fn klems_rings(widths: &LobeWidths) -> RingGrid {
+/// `phi_step_deg`: the step of the azimuths of the light, if the display depends on them.
+pub fn klems_rings(widths: &LobeWidths, phi_step_deg: Option<f64>) -> RingGrid {
     let rings = RingGrid::about_lights(ring_patch_lights(&KLEMS_FULL), widths);
+    if let Some(step) = phi_step_deg {
+        return rings.around(step);
+    }
     RingGrid { azimuths_deg: rings.azimuths_deg.iter().step_by(2).copied().collect(), ..rings }
 }
 
@@ -50,7 +54,7 @@ pub fn write_bsdf_klems(
 pub(super) fn patches_part(table: &RingTable, state: usize) -> io::Result<MeasuredPart> {
     let (rings, whites) = rings_part(table, state)?;
     let Geometry::Specular(grid) = &rings.geometry else { return Err(unsound("the BSDF is not on rings")) };
-    let lights = grid.incidences_deg.len();
+    let lights = grid.rotations_deg.len() * grid.incidences_deg.len();
     let channel = |k: usize| (rings.channel(k), &rings.tis[k * lights..][..lights]);
     let channels: Vec<_> = (0..whites.len()).map(channel).collect();
     let means = ring_patch_means(grid, &channels, &KLEMS_FULL)

@@ -1,5 +1,5 @@
 //! Writer of the display's BSDF as a tabular BSDF of Radiant and Zemax: X, Y and Z of one state in D65, on
-//! rings about the mirror direction.
+//! rings about the mirror direction. A display that depends on azimuth is rotated: light comes from azimuth `180 deg - rotation`.
 //!
 //! X, Y and Z are relative to those of a perfect white, as an imaging sphere measures them that is calibrated
 //! with a white reference: a perfect white has 1/pi and a TIS of 1 in each of them. The mirror part is in
@@ -51,7 +51,7 @@ pub fn write_bsdf_radiant(
 /// times pi.
 pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(MeasuredPart, Vec<f64>)> {
     let (grid, bins) = (&table.grid, table.wavelength_nm.len().max(1));
-    let lights: Vec<(usize, Vec<Option<usize>>)> = (0..grid.theta_i_deg.len())
+    let lights: Vec<(usize, Vec<Option<usize>>)> = (0..grid.lights_deg().len())
         .map(|light| {
             let (viewers, numbers) = grid.viewers(light);
             (viewers.len(), numbers)
@@ -63,8 +63,22 @@ pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(Measure
         found.brdf.len() == viewers * bins && beams == [lights.len() * bins; 2]
     });
     let found = found.ok_or_else(|| unsound("the BSDF does not match its directions"))?;
+    let rotations = rotations(&grid.phi_i_deg);
+    // The numbers of the lights in the order of the file, with the numbers of their first viewers.
+    let azimuths = grid.phi_i_deg.len().max(1);
+    let order: Vec<usize> = rotations
+        .iter()
+        .flat_map(|(_, azimuth)| (0..grid.theta_i_deg.len()).map(move |theta| theta * azimuths + azimuth))
+        .collect();
+    let firsts: Vec<usize> = lights
+        .iter()
+        .scan(0, |next, (count, _)| {
+            *next += count;
+            Some(*next - count)
+        })
+        .collect();
     let mut values = Vec::with_capacity(3 * grid.cells());
-    let mut tis = Vec::with_capacity(3 * lights.len());
+    let mut tis = Vec::with_capacity(3 * order.len());
     let mut whites = Vec::new();
     for weights in weights(&table.wavelength_nm).map_err(|message| unsound(&message))? {
         let white: f64 = weights.iter().sum();
@@ -73,18 +87,18 @@ pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(Measure
             // Slightly negative values are discretisation errors.
             (spectrum.zip(&weights).map(|(value, weight)| value * weight).sum::<f64>() / white).max(0.0)
         };
-        let mut first = 0;
-        for (count, numbers) in &lights {
-            let spectra = &found.brdf[first * bins..][..count * bins];
+        for light in &order {
+            let (count, numbers) = &lights[*light];
+            let spectra = &found.brdf[firsts[*light] * bins..][..count * bins];
             let of_viewers: Vec<f64> = spectra
                 .chunks_exact(bins)
                 .map(|spectrum| relative(&mut spectrum.iter().map(|f| f64::from(*f))))
                 .collect();
             values.extend(numbers.iter().map(|number| number.map_or(0.0, |number| of_viewers[number])));
-            first += count;
         }
-        let beams = found.directional_hemispherical.chunks_exact(bins).zip(found.specular.chunks_exact(bins));
-        tis.extend(beams.map(|(leaving, mirror)| {
+        tis.extend(order.iter().map(|light| {
+            let [leaving, mirror] =
+                [&found.directional_hemispherical, &found.specular].map(|all| &all[light * bins..][..bins]);
             relative(&mut leaving.iter().zip(mirror).map(|(leaving, mirror)| leaving - mirror))
         }));
     }
@@ -92,16 +106,30 @@ pub(super) fn rings_part(table: &RingTable, state: usize) -> io::Result<(Measure
         way: ScatterMode::FrontReflection,
         channels: vec![Channel::X, Channel::Y, Channel::Z],
         geometry: Geometry::Specular(SpecularGrid {
-            rotations_deg: vec![0.0],
+            rotations_deg: rotations.iter().map(|(rotation_deg, _)| *rotation_deg).collect(),
             incidences_deg: grid.theta_i_deg.clone(),
             azimuths_deg: grid.azimuths_deg.clone(),
             radials_deg: grid.radials_deg.clone(),
-            symmetry: Symmetry::Plane,
+            symmetry: if grid.phi_i_deg.is_empty() { Symmetry::Plane } else { Symmetry::None },
         }),
         values,
         tis,
     };
     Ok((part, whites))
+}
+
+/// Returns the rotations of the display over a whole turn, degrees, ascending, and for each the number of the azimuth from which the light
+/// comes then, or from half a turn beside it.
+fn rotations(phi_i_deg: &[f64]) -> Vec<(f64, usize)> {
+    if phi_i_deg.is_empty() {
+        return vec![(0.0, 0)];
+    }
+    let both = |(number, phi): (usize, &f64)| {
+        [180.0, 360.0].map(|turned| ((turned - phi).rem_euclid(360.0), number))
+    };
+    let mut all: Vec<(f64, usize)> = phi_i_deg.iter().enumerate().flat_map(both).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all
 }
 
 pub(super) fn unsound(message: &str) -> io::Error {

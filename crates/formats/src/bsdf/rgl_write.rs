@@ -37,7 +37,9 @@ pub fn write_rgl(
 ) -> io::Result<()> {
     let (grid, found) =
         (&table.grid, table.states.get(state).ok_or_else(|| unsound("there is no such state"))?);
-    let (lights, size, bins) = (grid.theta_i_deg.len(), grid.size, table.wavelength_nm.len());
+    let (thetas, size, bins) = (grid.theta_i_deg.len(), grid.size, table.wavelength_nm.len());
+    let azimuths = grid.phi_i_deg.len().max(1);
+    let lights = thetas * azimuths;
     let mut spectra = Vec::with_capacity(lights * bins * size * size);
     let mut luminance = Vec::with_capacity(lights * size * size);
     let mut densities = Vec::new();
@@ -51,6 +53,7 @@ pub fn write_rgl(
         "{}; state {}; papilio {}; scenario {}",
         source.title, found.name, source.papilio, source.hash
     );
+    let phi_i: Vec<f32> = azimuths_of(grid).iter().map(|phi| *phi as f32).collect();
     let theta_i: Vec<f32> = grid.theta_i_deg.iter().map(|deg| deg.to_radians() as f32).collect();
     let wavelengths: Vec<f32> = table.wavelength_nm.iter().map(|nm| *nm as f32).collect();
     let ones = [1.0; 4];
@@ -60,18 +63,38 @@ pub fn write_rgl(
             shape: vec![description.len()],
             items: Items::Bytes(description.as_bytes()),
         },
-        Field { name: "phi_i", shape: vec![1], items: Items::Single(&[0.0]) },
-        Field { name: "theta_i", shape: vec![lights], items: Items::Single(&theta_i) },
+        Field { name: "phi_i", shape: vec![azimuths], items: Items::Single(&phi_i) },
+        Field { name: "theta_i", shape: vec![thetas], items: Items::Single(&theta_i) },
         Field { name: "wavelengths", shape: vec![bins], items: Items::Single(&wavelengths) },
         Field { name: "ndf", shape: vec![2, 2], items: Items::Single(&ones) },
         Field { name: "sigma", shape: vec![2, 2], items: Items::Single(&ones) },
-        Field { name: "vndf", shape: vec![1, lights, size, columns], items: Items::Single(&densities) },
-        Field { name: "luminance", shape: vec![1, lights, size, size], items: Items::Single(&luminance) },
-        Field { name: "spectra", shape: vec![1, lights, bins, size, size], items: Items::Single(&spectra) },
+        Field {
+            name: "vndf",
+            shape: vec![azimuths, thetas, size, columns],
+            items: Items::Single(&densities),
+        },
+        Field {
+            name: "luminance",
+            shape: vec![azimuths, thetas, size, size],
+            items: Items::Single(&luminance),
+        },
+        Field {
+            name: "spectra",
+            shape: vec![azimuths, thetas, bins, size, size],
+            items: Items::Single(&spectra),
+        },
         Field { name: "jacobian", shape: vec![1], items: Items::Bytes(&[0]) },
     ];
     write_tensors(&mut out, &fields)?;
     out.flush()
+}
+
+/// Azimuths of the light in the file, radians: one stands for all of an isotropic display.
+fn azimuths_of(grid: &HalfVectorGrid) -> Vec<f64> {
+    if grid.phi_i_deg.is_empty() {
+        return vec![0.0];
+    }
+    grid.phi_i_deg.iter().map(|phi| phi.to_radians()).collect()
 }
 
 /// Returns the luminous values of the file of one state in D65, as its readers understand them.
@@ -89,7 +112,7 @@ pub(super) fn luminous_part(table: &HalfVectorTable, state: usize) -> io::Result
         densities.extend(nodes.density.values().iter().map(|value| f64::from(*value)));
     }
     let fields = WarpFields {
-        phi_i: vec![0.0],
+        phi_i: azimuths_of(grid),
         theta_i: grid.theta_i_deg.iter().map(|theta| theta.to_radians()).collect(),
         ndf: (vec![1.0; 4], [2, 2]),
         sigma: (vec![1.0; 4], [2, 2]),
@@ -125,11 +148,12 @@ struct Nodes<'a> {
 }
 
 impl<'a> Nodes<'a> {
-    /// Returns the nodes of all directions of the light of a state, number `state`.
+    /// Returns the nodes of all directions of the light of a state, number `state`, in the order of the file: the inclination fastest.
     fn of_lights(table: &'a HalfVectorTable, state: usize) -> io::Result<Vec<Self>> {
         let (grid, bins) = (&table.grid, table.wavelength_nm.len());
         let found = table.states.get(state).ok_or_else(|| unsound("there is no such state"))?;
-        let viewers: Vec<_> = (0..grid.theta_i_deg.len()).map(|light| grid.viewers(light)).collect();
+        let (thetas, azimuths) = (grid.theta_i_deg.len(), grid.phi_i_deg.len().max(1));
+        let viewers: Vec<_> = (0..thetas * azimuths).map(|light| grid.viewers(light)).collect();
         let count: usize = viewers.iter().map(|(different, _)| different.len()).sum();
         if bins == 0 || grid.size < 2 || found.brdf.len() != count * bins {
             return Err(unsound("the BSDF does not match its directions"));
@@ -140,7 +164,13 @@ impl<'a> Nodes<'a> {
             rest = others;
             Self::new(grid, light, numbers, (own, bins))
         };
-        Ok(viewers.into_iter().enumerate().map(of_light).collect())
+        let mut nodes: Vec<Self> = viewers.into_iter().enumerate().map(of_light).collect();
+        if azimuths > 1 {
+            let mut by_inclination = nodes.into_iter().enumerate().collect::<Vec<_>>();
+            by_inclination.sort_by_key(|(light, _)| (light % azimuths, light / azimuths));
+            nodes = by_inclination.into_iter().map(|(_, nodes)| nodes).collect();
+        }
+        Ok(nodes)
     }
 
     fn new(
@@ -149,7 +179,8 @@ impl<'a> Nodes<'a> {
         numbers: Vec<Option<usize>>,
         (brdf, bins): (&'a [f32], usize),
     ) -> Self {
-        let (theta_i_deg, places) = (grid.theta_i_deg[light], grid.nodes(light));
+        let (theta_i_deg, places) =
+            (grid.theta_i_deg[light / grid.phi_i_deg.len().max(1)], grid.nodes(light));
         let cosine = |(at, number): (&[f64; 2], &Option<usize>)| {
             let viewer = number.and_then(|_| HalfVectorGrid::viewer(theta_i_deg, *at));
             viewer.map_or(0.0, |viewer| viewer.cos_theta_o)

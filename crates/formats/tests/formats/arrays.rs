@@ -199,7 +199,12 @@ fn table() -> BrdfTable {
         directional_hemispherical: (0..10).map(|k| (2000 * s + k) as f64 / 3.0).collect(),
     };
     BrdfTable {
-        grid: BrdfGrid { theta_i_deg: axis(2), theta_o_deg: axis(3), dphi_deg: axis(4) },
+        grid: BrdfGrid {
+            theta_i_deg: axis(2),
+            phi_i_deg: Vec::new(),
+            theta_o_deg: axis(3),
+            dphi_deg: axis(4),
+        },
         wavelength_nm: axis(5),
         states: vec![state(0, "white"), state(1, "\u{9ed2} & b")],
         nodes: 32,

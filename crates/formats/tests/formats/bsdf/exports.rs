@@ -78,6 +78,109 @@ impl Lobe {
     }
 }
 
+/// The same lobe above a pixel that depends on azimuth: reciprocal, and the same after half a turn of light and viewer.
+fn turned_f(lobe: Lobe, [theta_i, phi_i]: [f64; 2], theta_o: f64, dphi: f64) -> f64 {
+    let strength = theta_i.to_radians().sin() * theta_o.to_radians().sin();
+    lobe.f(theta_i, theta_o, dphi) * (1.0 + 0.8 * strength * (2.0 * phi_i + dphi - 40.0).to_radians().cos())
+}
+
+fn turned_table<G: ViewerGrid>(lobe: Lobe, grid: G) -> ViewerTable<G> {
+    let lights = grid.lights_deg();
+    let of_light = |(number, light): (usize, &[f64; 2])| {
+        let viewers = grid.viewers(number).0;
+        viewers.iter().map(|to| turned_f(lobe, *light, to.theta_o_deg, to.dphi_deg)).collect::<Vec<_>>()
+    };
+    let brdf = lights.iter().enumerate().flat_map(of_light).flat_map(|f| [f as f32; 3]).collect();
+    // That of a narrow lobe.
+    let leaving = |[theta_i, phi_i]: &[f64; 2]| {
+        [lobe.total(*theta_i) * (1.0 - 0.3 * (2.0 * phi_i - 40.0).to_radians().cos()); 3]
+    };
+    let directional_hemispherical: Vec<f64> = lights.iter().flat_map(leaving).collect();
+    let state = BrdfState {
+        name: "white".to_owned(),
+        brdf,
+        specular: vec![0.0; directional_hemispherical.len()],
+        directional_hemispherical,
+    };
+    ViewerTable {
+        grid,
+        wavelength_nm: WAVELENGTHS.to_vec(),
+        states: vec![state],
+        nodes: 0,
+        discretisation_error: 0.0,
+        row_errors: RowErrors::default(),
+    }
+}
+
+/// With azimuths of the light, what readers of each format find between its directions is the BSDF, by the azimuths of light and viewer; files
+/// that are read again have it at their directions.
+#[test]
+fn files_with_azimuths_have_the_bsdf_of_both_azimuths() {
+    let read = |name: &str, bytes: &[u8]| {
+        let file = papilio_formats::DataFile { name: name.to_owned(), bytes: bytes.to_vec() };
+        papilio_formats::read_bsdf(&file).unwrap().value.parts.remove(0)
+    };
+    let check = |part: &papilio_goniometry::MeasuredPart, most: f64| {
+        for (light, [theta_o, phi_o]) in
+            [([45.0, 30.0], [45.0, 210.0]), ([45.0, 75.0], [60.0, 265.0]), ([45.0, 300.0], [30.0, 100.0])]
+        {
+            let expected = turned_f(WIDE, light, theta_o, phi_o - light[1]);
+            let [from, to] =
+                [light, [theta_o, phi_o]].map(|[theta, phi]| papilio_goniometry::Direction::new(theta, phi));
+            let found = part.evaluate(part.luminous(), from, to).unwrap();
+            assert!((found / expected - 1.0).abs() < most, "{light:?} {theta_o} {phi_o}: {found} {expected}");
+        }
+    };
+    let (widths, mut bytes) = (WIDE.widths(), Vec::new());
+    let probes = |lights: &[f64]| turned_table(WIDE, ProbeGrid::around(lights, 15.0, &widths));
+    let error =
+        |exported: Exported<'_>, lights: &[f64]| between_error(exported, &probes(lights)).unwrap().unwrap();
+
+    let half = turned_table(WIDE, HalfVectorGrid::around(15.0, 15.0, 48, &widths));
+    write_rgl(&mut bytes, &SOURCE, &half, 0).unwrap();
+    check(&read("a.bsdf", &bytes), 0.1);
+    let found = error(Exported::HalfVectors(&half), &half.grid.theta_i_deg);
+    assert!(found.relative < 0.3 && found.phi_i_deg.is_some(), "{found:?}");
+
+    let rings = turned_table(WIDE, RingGrid::new(15.0, &widths).around(15.0));
+    bytes.clear();
+    write_bsdf_radiant(&mut bytes, &SOURCE, &rings, 0).unwrap();
+    assert!(String::from_utf8_lossy(&bytes).contains("Asymmetrical4D"));
+    check(&read("b.bsdf", &bytes), 0.1);
+    let found = error(Exported::Rings(&rings), &rings.grid.theta_i_deg);
+    assert!(found.relative < 0.3, "{found:?}");
+
+    let grid = BrdfGrid::around(7.5, 15.0);
+    let mut all = Vec::new();
+    for light in grid.lights_deg() {
+        for theta_o in &grid.theta_o_deg {
+            all.extend(
+                grid.dphi_deg.iter().flat_map(|dphi| [turned_f(WIDE, light, *theta_o, *dphi) as f32; 3]),
+            );
+        }
+    }
+    let beams = vec![0.5; 3 * grid.lights()];
+    let state = BrdfState {
+        name: "white".to_owned(),
+        brdf: all,
+        specular: beams.clone(),
+        directional_hemispherical: beams,
+    };
+    let table = BrdfTable {
+        row_errors: RowErrors { relative: vec![0.0; grid.pairs()], target: 1e-3, allowed: None },
+        grid,
+        wavelength_nm: WAVELENGTHS.to_vec(),
+        states: vec![state],
+        nodes: 0,
+        discretisation_error: 0.0,
+    };
+    bytes.clear();
+    papilio_formats::write_bsdf(&mut bytes, &SOURCE, &table).unwrap();
+    check(&read("c.npz", &bytes), 0.1);
+    let found = error(Exported::Directions(&table), &table.grid.theta_i_deg);
+    assert!(found.relative < 0.6, "{found:?}");
+}
+
 const NARROW: Lobe = Lobe { b: 0.0044 };
 const WIDE: Lobe = Lobe { b: 0.1134 };
 
@@ -416,7 +519,7 @@ fn patch_mean(lobe: Lobe, incoming: usize, outgoing: usize, points: usize) -> f6
 #[test]
 fn klems_matrices_are_means_over_both_patches_and_reciprocal() {
     for lobe in [WIDE, NARROW] {
-        let table = lobe.table(klems_rings(&lobe.widths()));
+        let table = lobe.table(klems_rings(&lobe.widths(), None));
         let mut bytes = Vec::new();
         write_bsdf_klems(&mut bytes, &SOURCE, &table, 0).unwrap();
         let text = std::str::from_utf8(&bytes).unwrap();

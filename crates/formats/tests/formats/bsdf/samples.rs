@@ -163,7 +163,12 @@ pub(super) fn display() -> Vec<u8> {
         directional_hemispherical: vec![0.0; 4],
     };
     let table = BrdfTable {
-        grid: BrdfGrid { theta_i_deg: axis(2), theta_o_deg: axis(3), dphi_deg: vec![0.0, 180.0] },
+        grid: BrdfGrid {
+            theta_i_deg: axis(2),
+            phi_i_deg: Vec::new(),
+            theta_o_deg: axis(3),
+            dphi_deg: vec![0.0, 180.0],
+        },
         wavelength_nm: vec![500.0, 600.0],
         states: vec![state(0.0, "white"), state(100.0, "black")],
         nodes: 32,
