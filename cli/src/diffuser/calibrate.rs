@@ -29,6 +29,12 @@ pub(crate) fn calibrate(arguments: &Calibrate) -> Result<(), Failure> {
             "{part}: {} cells multiplied by {lowest:.4} to {highest:.4}",
             calibration.corrected
         ));
+        if calibration.has_transmission_as_white() {
+            print_message(&format!(
+                "warning: {part}: the reference is a {}, and not the reflection of a white",
+                calibration.reference.name()
+            ));
+        }
         if calibration.uncovered > 0 {
             print_message(&format!(
                 "warning: {part}: {} cells have no reference value; they count as not measured",

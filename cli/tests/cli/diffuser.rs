@@ -188,6 +188,19 @@ fn calibration_removes_the_instrument() {
     let set = "measure.radial_deg={ from = 0, to = 180, step = 5 }";
     done(&["measure", &scenario, &other, "--set", set, "--set", "measure.channels=\"monochrome\""]);
     assert!(refused(&["calibrate", &file, &other, &out]).contains("one grid"));
+    // The file is a transmission: no white of a reflection.
+    let (values, reflection) = (folder.name("values.csv"), folder.name("reflection.csv"));
+    let grid = |way: &str| {
+        let rows = (0..9).flat_map(|k| [0, 90, 180].map(|phi| format!("{way},0,0,{},{phi},0.3\n", 10 * k)));
+        format!("way,theta_i,phi_i,theta_o,phi_o,bsdf\n{}", rows.collect::<String>())
+    };
+    std::fs::write(&values, grid("front transmission")).unwrap();
+    std::fs::write(&reflection, grid("front reflection")).unwrap();
+    let out = folder.name("out.csv");
+    let (_, said) = done(&["calibrate", &reflection, &values, &out]);
+    assert!(said.contains("the reference is a front transmission, and not the reflection"), "{said}");
+    let (_, said) = done(&["calibrate", &values, &reflection, &out]);
+    assert!(!said.contains("the reference is a"), "{said}");
 }
 
 #[test]

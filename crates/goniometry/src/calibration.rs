@@ -43,6 +43,8 @@ pub struct CalibratedSample {
 pub struct Calibration {
     /// Scatter mode of the sample's part.
     pub way: ScatterMode,
+    /// Scatter mode of the reference's part.
+    pub reference: ScatterMode,
     /// Channel of the sample.
     pub channel: Channel,
     /// Smallest and largest factor.
@@ -56,6 +58,13 @@ pub struct Calibration {
     pub noise: Option<f64>,
     /// Number of factors that differ from the mean of their neighbours by more than 5 %.
     pub rough: usize,
+}
+
+impl Calibration {
+    /// Returns whether a transmission is the reference of another scatter mode, although a white is known by its reflectance.
+    pub fn has_transmission_as_white(&self) -> bool {
+        self.reference.is_transmission() && self.reference != self.way
+    }
 }
 
 /// Corrects a sample with a white of this reflectance factor that was measured on the same grid.
@@ -79,7 +88,7 @@ pub fn calibrated(
         same_cells(&part.geometry, &white.geometry)?;
         for channel in 0..part.channels.len() {
             let correction = correction(white, part.channels[channel], known)?;
-            calibrated.calibrations.push(apply(part, channel, &correction));
+            calibrated.calibrations.push(apply(part, channel, (white.way, &correction)));
         }
     }
     let remark = format!("calibrated against a white of reflectance factor {reflectance_factor}");
@@ -123,11 +132,16 @@ fn correction(
     Ok(white.channel(number).iter().map(factor).collect())
 }
 
-fn apply(part: &mut MeasuredPart, channel: usize, correction: &[Option<f64>]) -> Calibration {
+fn apply(
+    part: &mut MeasuredPart,
+    channel: usize,
+    (reference, correction): (ScatterMode, &[Option<f64>]),
+) -> Calibration {
     let cells = correction.len();
     let before = part.channel(channel).to_vec();
     let mut calibration = Calibration {
         way: part.way,
+        reference,
         channel: part.channels[channel],
         range: [f64::INFINITY, 0.0],
         corrected: 0,
@@ -242,6 +256,9 @@ mod tests {
             assert!((ours / truth - 1.0).abs() < 2e-3, "{ours} {truth}");
         }
         assert_eq!(result.calibrations.len(), 3);
+        assert!(result.calibrations.iter().all(|one| !one.has_transmission_as_white()));
+        let turned = calibrated(&reference, &seen, 0.99).unwrap();
+        assert!(turned.calibrations.iter().all(Calibration::has_transmission_as_white));
         let calibration = result.calibrations[0];
         assert_eq!((calibration.uncovered, calibration.rough), (0, 0));
         assert!(calibration.range[0] > 1.1 && calibration.range[1] > 2.0, "{calibration:?}");
