@@ -59,7 +59,8 @@ pub struct Instrument {
 pub struct Noise {
     /// Standard deviation relative to the value.
     pub relative: f64,
-    /// Standard deviation of the additive component, 1/sr.
+    /// Standard deviation of the additive component, 1/sr. Negative results become 0, which raises the mean of dark values
+    /// by up to `floor/sqrt(2 pi)`.
     pub floor: f64,
     /// Seed of the random numbers.
     pub seed: u64,

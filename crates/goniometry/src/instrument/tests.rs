@@ -102,6 +102,21 @@ fn unscattered_light_has_the_width_of_the_blur() {
     assert!((part.tis[0] - 0.3 - 0.5 * lobe.hemispherical_fraction()).abs() < 1e-4, "{:?}", part.tis);
 }
 
+/// Negative results become 0: the mean of values far below a floor s is s/sqrt(2 pi), with a variance of s²/2 less its square.
+#[test]
+fn noise_raises_the_mean_of_dark_values() {
+    let mut instrument = small();
+    instrument.noise = Noise { relative: 0.0, floor: 0.05, seed: 7 };
+    let view = View { way: ScatterMode::FrontReflection, f: &|_, _| 1e-9, straight: 0.0, factors: &[1.0] };
+    let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
+    let is_pixel = |cell: &usize| cell % 91 > 0 && part.geometry.directions(*cell).is_some();
+    let values: Vec<f64> = (0..part.values.len()).filter(is_pixel).map(|cell| part.values[cell]).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64 / 0.05;
+    let expected = 1.0 / (2.0 * PI).sqrt();
+    let deviation = ((0.5 - expected * expected) / values.len() as f64).sqrt();
+    assert!((mean - expected).abs() < 4.0 * deviation, "{mean} {expected} {deviation}");
+}
+
 #[test]
 fn noise_has_given_size_and_is_reproducible() {
     let mut instrument = small();
