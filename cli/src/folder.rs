@@ -20,8 +20,8 @@ use crate::{Failure, RESULTS, output, print_message};
 pub(crate) const ABOUT: &str = "about.json";
 
 /// Files that do not contain the hash of their scenario.
-const WITHOUT_HASH: [&str; 5] =
-    ["pixel.csv", "absorption.csv", "display-bsdf.npz", "reflection.csv", "study.csv"];
+const WITHOUT_HASH: [&str; 6] =
+    ["pixel.csv", "absorption.csv", "display-bsdf.npz", "reflection.csv", "study.csv", "steps.csv"];
 
 /// Digits of the hash in a folder's name, unless more are needed.
 const DIGITS: usize = 6;
@@ -164,8 +164,16 @@ pub(crate) fn make(folder: &Path, hash: &str) -> Result<(), Failure> {
 
 /// True for names of the files of `pixel`, `brdf`, `study` and `diffuser steps`.
 fn is_identified_by_about(name: &str) -> bool {
-    let tables =
-        ["pixel.csv", "absorption.csv", "sub-pixels.csv", "reflection.csv", "study.csv", "scene.py", ABOUT];
+    let tables = [
+        "pixel.csv",
+        "absorption.csv",
+        "sub-pixels.csv",
+        "reflection.csv",
+        "study.csv",
+        "steps.csv",
+        "scene.py",
+        ABOUT,
+    ];
     let of_display = [".npz", ".csv", ".bsdf", ".xml", ".json"];
     tables.contains(&name)
         || output::is_figure_of(&["pixel", "absorption", "study_", "point_sets", "step-"], name)

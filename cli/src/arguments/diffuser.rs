@@ -30,7 +30,8 @@ pub(crate) enum Diffuser {
     /// Compute a display without each processing step of its measured diffuser: level, spectrum, blur, tails
     #[command(after_help = "Example:\n  papilio diffuser steps scenarios/measured-diffused.toml \\\n    \
                       --beside scenarios/measured-truth.toml\n\n\
-                      Each figure, for example step-normalise.svg, shows the spectra with and without a step.")]
+                      Each figure, for example step-normalise.svg, shows the spectra with and without a step;\n\
+                      steps.csv has the table.")]
     Steps(Steps),
     /// Simulate the measurement of a scenario's diffuser by an imaging sphere with blur and noise
     #[command(
@@ -68,6 +69,9 @@ pub(crate) struct Steps {
     /// Reference scenario to compare with; it is also plotted
     #[arg(long, value_name = "FILE")]
     pub(crate) beside: Option<PathBuf>,
+    /// Print the result as JSON on standard output; write files only if --out is given
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) workers: Workers,
 }

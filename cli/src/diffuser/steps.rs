@@ -3,13 +3,17 @@
 use std::io::Write;
 
 use papilio_display::Control;
-use papilio_display::result::{RunResult, View};
+use papilio_display::result::RunResult;
 use papilio_figures::spectra_over;
+use papilio_formats::{StepRow, StepsFile, write_file, write_json, write_steps};
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::Steps;
 use crate::progress::Computation;
 use crate::{Failure, folder, input, numbers, output, print_notes, print_warnings, report};
+
+/// The file of the table.
+const TABLE: &str = "steps.csv";
 
 /// A key of `[display.diffuser]`, the value that disables the step, and the name of the display without it.
 const STEPS: [(&str, &str, &str); 6] = [
@@ -32,7 +36,10 @@ struct Variant {
 pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     let scenario = &arguments.scenario;
     let base = input::scenario::<Scenario>(&scenario.file, &scenario.set)?.resolve()?;
-    let out = folder::choose(scenario, &base)?;
+    let out = match (&scenario.out, arguments.json) {
+        (None, true) => None,
+        _ => Some(folder::choose(scenario, &base)?),
+    };
     let mut displays = vec![("as specified".to_owned(), None, base.clone())];
     for (key, off, name) in active_steps(&base)? {
         let set = [scenario.set.clone(), vec![format!("display.diffuser.{key}={off}")]].concat();
@@ -56,12 +63,21 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     print_notes(&base.notes);
     print_warnings(&base.warnings);
     let title = base.title.clone().unwrap_or_else(|| report::file_title(&scenario.file));
-    let mut stdout = crate::terminal::output(false);
-    stdout.write_all(report_text(&title, &variants).as_bytes())?;
+    let rows = StepRow::all(variants.iter().map(|one| (one.name.as_str(), one.key, &one.result)));
+    let mut stdout = crate::terminal::output(arguments.json);
+    if arguments.json {
+        let (notes, warnings, hash) = (&base.notes, &base.warnings, &base.hash);
+        let displays = rows.clone();
+        write_json(&mut stdout, &StepsFile { title: &title, hash, notes, warnings, displays })?;
+    } else {
+        stdout.write_all(report_text(&title, &rows).as_bytes())?;
+    }
     stdout.flush()?;
+    let Some(out) = out else { return Ok(()) };
     folder::make(&out, &base.hash)?;
     output::remove(&out, |name| output::is_figure_of(&["step-"], name))?;
-    let mut names = Vec::new();
+    write_file(&out.join(TABLE), |file| write_steps(file, &rows))?;
+    let mut names = vec![TABLE.to_owned()];
     let references: Vec<&Variant> = variants.iter().skip(1).filter(|variant| variant.key.is_none()).collect();
     for variant in &variants {
         let Some(key) = variant.key else { continue };
@@ -101,29 +117,22 @@ fn active_steps(base: &Resolved) -> Result<Vec<(&'static str, &'static str, &'st
     Ok(STEPS.into_iter().filter(is_active).collect())
 }
 
-/// Report of the steps: a row for each variant.
-fn report_text(title: &str, variants: &[Variant]) -> String {
-    let state = |view: &View| {
-        let state = view.states.get("white").or_else(|| view.states.iter().next().map(|(_, state)| state));
-        state.map_or(f64::NAN, |state| state.value.Y)
-    };
+/// Report of the steps: a row for each display.
+fn report_text(title: &str, displays: &[StepRow<'_>]) -> String {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
     };
     let mut rows = vec![
         ["display", "Y of white", "change", "contrast", "gamut (% of sRGB)"].map(str::to_owned).to_vec(),
     ];
-    let first = variants[0].result.views.first().map_or(f64::NAN, state);
-    for variant in variants {
-        let Some(view) = variant.result.views.first() else { continue };
-        let y = state(view);
-        rows.push(vec![
-            variant.name.clone(),
-            format!("{y:.4}"),
-            format!("{} %", numbers::signed(100.0 * (y / first - 1.0), 1)),
-            number(view.metrics.contrast_ratio, 2),
-            number(view.metrics.gamut_percent_srgb, 2),
-        ]);
-    }
+    rows.extend(displays.iter().map(|row| {
+        vec![
+            row.display.to_owned(),
+            number(row.Y, 4),
+            row.change.map_or("-".to_owned(), |change| format!("{} %", numbers::signed(100.0 * change, 1))),
+            number(row.contrast_ratio, 2),
+            number(row.gamut_percent_srgb, 2),
+        ]
+    }));
     format!("{title}\n\n{}", report::table(&rows))
 }

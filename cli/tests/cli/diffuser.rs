@@ -246,7 +246,21 @@ fn steps_are_left_out_one_at_a_time() {
     assert!(words.iter().all(|word| svg.contains(word)));
     assert!(folder.path("steps/about.json").is_file());
     let figures = if papilio_figures::HAS_PNG { 8 } else { 4 };
-    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 1 + figures);
+    assert_eq!(fs::read_dir(folder.path("steps")).unwrap().count(), 2 + figures);
+    // The table has the numbers of the text with all digits.
+    let table = fs::read_to_string(folder.path("steps/steps.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][..4], ["display", "key", "Y", "Y_se"]);
+    assert_eq!(rows[2][..2], ["not normalised", "normalise"]);
+    assert_eq!(rows.len(), 7, "{table}");
+    for row in &rows[1..] {
+        let line = text.lines().find_map(|line| line.trim().strip_prefix(row[0])).unwrap();
+        let printed: Vec<&str> = line.split_whitespace().collect();
+        let [y, change, contrast] = [2, 5, 6].map(|k| row[k].parse::<f64>().unwrap());
+        assert_eq!(printed[0], format!("{y:.4}"), "{table}");
+        assert!((100.0 * change - printed[1].replace('\u{2212}', "-").parse::<f64>().unwrap()).abs() < 0.051);
+        assert_eq!(printed[3], format!("{contrast:.2}"), "{table}");
+    }
     let shown = refused(&["steps", &shipped("measured-bare.toml"), "--out", &folder.name("none")]);
     assert!(shown.contains("model = \"measured\""), "{shown}");
     // Extrapolated tails are a step, too: those of a scan.
@@ -255,8 +269,11 @@ fn steps_are_left_out_one_at_a_time() {
     let display = "[display.diffuser]\nmodel = \"measured\"\nfile = \"scan.csv\"\nextrapolate_tails = true\n[display.pixel]\n\
                    model = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.05 }\n[lighting]\npreset = \"indoor\"\n";
     fs::write(folder.path("scan.toml"), display).unwrap();
-    let (text, _) = done(&["steps", &folder.name("scan.toml"), "--out", &folder.name("tails")]);
-    assert!(text.contains("tails not extrapolated"), "{text}");
+    let (text, _) = done(&["steps", &folder.name("scan.toml"), "--out", &folder.name("tails"), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["displays"][1]["display"], "tails not extrapolated", "{text}");
+    assert_eq!(json["displays"][1]["key"], "extrapolate_tails", "{text}");
+    assert!(json["displays"][0]["Y"].as_f64().is_some_and(|y| y > 0.0), "{text}");
     assert!(folder.path("tails/step-extrapolate_tails.svg").is_file());
 }
 

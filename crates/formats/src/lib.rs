@@ -33,6 +33,7 @@
 //! | [`MtfFile`] with [`write_json`], [`write_mtf_csv`], [`write_spread_csv`], [`write_kernel_npy`] | `mtf.json`, `mtf.csv`, `spread.csv`, `kernel-STATE.npy`; schema: [`mtf_schema`] |
 //! | [`write_comparison`], [`write_compared_spectra`], [`write_compared_metrics`] | a comparison with a measured panel |
 //! | [`AuditFile`], [`FitFile`] with [`write_json`] | audit of a measurement, fitted lobes |
+//! | [`StepsFile`] with [`write_json`], [`write_steps`] | a display without each step of its measured diffuser; `steps.csv` |
 //! | [`write_rgb_png`], [`write_indexed_png`], [`write_scene_exr`] | pictures: encoded colours, numbers of states, linear light |
 //! | [`png()`] | PNG images of figures |
 //! | [`panel`] | frames for the controllers of panels |
@@ -101,6 +102,7 @@ mod sparkle;
 mod spatial;
 mod spectrum;
 mod states;
+mod steps;
 mod study;
 mod surface;
 mod svg;
@@ -173,6 +175,7 @@ pub use spatial::{ImageFile, SpatialFile, TitledFile, image_schema, palette_sche
 pub use spectrum::{
     read_fractions, read_fractions_with_notes, read_light, read_light_with_notes, read_spectrum,
 };
+pub use steps::{StepRow, StepsFile, write_steps};
 pub use study::write_study;
 pub use surface::{HeightFile, MeshFile, is_height_file, read_density, read_heights, read_mesh};
 pub use svg::{HAS_PNG, PNG_SCALE, PngError, png};
