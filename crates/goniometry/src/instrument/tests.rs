@@ -109,7 +109,7 @@ fn noise_raises_the_mean_of_dark_values() {
     instrument.noise = Noise { relative: 0.0, floor: 0.05, seed: 7 };
     let view = View { way: ScatterMode::FrontReflection, f: &|_, _| 1e-9, straight: 0.0, factors: &[1.0] };
     let part = instrument.measure("", &[view]).unwrap().parts.remove(0);
-    let is_pixel = |cell: &usize| cell % 91 > 0 && part.geometry.directions(*cell).is_some();
+    let is_pixel = |cell: &usize| !cell.is_multiple_of(91) && part.geometry.directions(*cell).is_some();
     let values: Vec<f64> = (0..part.values.len()).filter(is_pixel).map(|cell| part.values[cell]).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64 / 0.05;
     let expected = 1.0 / (2.0 * PI).sqrt();
