@@ -39,7 +39,7 @@ pub(super) type Columns = [[Complex; 4]; 2];
 impl<T: Element> Generator<T> {
     /// Returns the product with a field, plus another field.
     #[inline(always)]
-    fn times(&self, field: [Complex; 4], sum: [Complex; 4]) -> [Complex; 4] {
+    pub(super) fn times(&self, field: [Complex; 4], sum: [Complex; 4]) -> [Complex; 4] {
         let [a, b, c, d] = field;
         [
             self.across.times(c, self.electric.times(b, self.along.times(a, sum[0]))),
@@ -76,7 +76,7 @@ impl<T: Element> Generator<T> {
 
     /// Returns the characteristic polynomial: the fourth power of the matrix as a polynomial of third degree in it.
     #[inline(always)]
-    fn characteristic(&self) -> [T; 4] {
+    pub(super) fn characteristic(&self) -> [T; 4] {
         let Self { along: a, across: c, mixed: x, electric: e, magnetic: m, other: o, s } = *self;
         let minor = a * a - e * m;
         let (twice, both) = (a + a, x * c);

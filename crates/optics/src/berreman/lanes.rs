@@ -305,6 +305,15 @@ impl Sub for Pair {
     }
 }
 
+impl Neg for Pair {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        let [[a, b], [c, d]] = self.0;
+        Self([[-a, -b], [-c, -d]])
+    }
+}
+
 /// Scattering matrix of 2x2 blocks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blocks {

@@ -8,18 +8,19 @@
 //! - Other layers become scattering matrices, once for all states that have them in common, and once for all azimuths where they are isotropic;
 //!   turns of a helix by doubling ([`helix`](super::helix)).
 //! - Light that crosses a thick layer a different number of times does not interfere: from the lowest thick layer up, reflections are actions on coherency
-//!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves, and has the faces of its mean index, with the absorption
-//!   of the wave that it absorbs least.
+//!   matrices ([`incoherent`](super::incoherent)). An anisotropic layer keeps the phase between its two waves ([`thick`]).
 
 mod faces;
 mod material;
+mod thick;
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 use std::ops::Range;
 
-use faces::{face, from_front, from_medium, in_front, into_medium, out_of_medium, transparent_face};
-use material::{Material, Thick};
+use faces::{Faces, from_front, in_front, transparent};
+use material::Material;
 use num_complex::Complex64;
+use thick::{Crossing, Thick, wave_down};
 
 use super::generator::{Rising, layer};
 use super::helix::{self, Turns};
@@ -48,7 +49,7 @@ pub struct Part {
     pub repeats: usize,
     /// How many of the first slices of a list follow once more: the rest of a turn.
     pub rest: usize,
-    /// False for a thick layer without fringes. It must be one slice, the same in all states, with indices that are close to each other.
+    /// False for a thick layer without fringes. It must be one slice, the same in all states.
     pub coherent: bool,
 }
 
@@ -346,12 +347,6 @@ impl Asked for Whole {
     }
 }
 
-/// Transmission of thick layers whose faces to each other reflect nothing, without their outer faces.
-struct Crossing {
-    down: Pair,
-    up: Pair,
-}
-
 impl<'a> Group<'a> {
     fn new(stack: &'a SpectralStack, first: usize, beta: &[f64]) -> Self {
         let beta = loaded(beta, first);
@@ -361,10 +356,12 @@ impl<'a> Group<'a> {
         let p = index_squared * s.inverse();
         let root = [p.root(), s.root()];
         let k0 = loaded(&stack.wavelength_nm, first).inverse() * Real::splat(2.0 * PI);
-        let (inverse_root, front) = ([root[0].inverse(), root[1].inverse()], [s; 2]);
-        let mut group = Self { stack, first, k0, beta, root, inverse_root, front };
-        group.front = group.admittances(loaded(&stack.front, first).into()).map(|front| front.re);
-        group
+        let inverse_root = [root[0].inverse(), root[1].inverse()];
+        let n = loaded(&stack.front, first);
+        let of_front = (n * n - square).root();
+        let admittances = [n * n * of_front.inverse(), of_front];
+        let front = [0, 1].map(|k| admittances[k] * inverse_root[k] * inverse_root[k]);
+        Self { stack, first, k0, beta, root, inverse_root, front }
     }
 
     fn complex(&self, values: &[Complex64]) -> Complex {
@@ -415,7 +412,7 @@ impl<'a> Group<'a> {
     ) -> Vec<A::Found> {
         let slabs = &self.stack.slabs;
         let below = slabs.first().map_or(0, |slab| slab.part + 1);
-        let mut amplitudes = vec![self.of_medium(&self.stack.back)];
+        let mut amplitudes = vec![self.faces(self.complex(&self.stack.back)).r];
         for (number, material) in materials.iter().enumerate().skip(below).rev() {
             amplitudes = self.raised(number, (material, &mut kept[number]), azimuth, &amplitudes);
         }
@@ -434,33 +431,56 @@ impl<'a> Group<'a> {
         asked: &A,
     ) -> Vec<A::Found> {
         let slabs = &self.stack.slabs;
-        let faces = |slab: &Slab| materials[slab.part].thick.faces;
+        let thick = |slab: &Slab| {
+            let slice = self.stack.parts[slab.part].slices[0][0];
+            materials[slab.part].thick(self, &slice, azimuth)
+        };
+        let mut own = thick(&slabs[0]);
         // What is below as the light inside the thick layer above it sees it: amplitudes down to the lowest one.
-        let amplitudes: Vec<Pair> = amplitudes.iter().map(|r| out_of_medium(faces(&slabs[0]), *r)).collect();
+        let mut seen = Vec::with_capacity(amplitudes.len());
+        with_widest_simd(
+            #[inline(always)]
+            || {
+                let face = own.faces.from_medium();
+                for r in amplitudes {
+                    seen.push(face.over_reflection(*r));
+                }
+            },
+        );
         let mut below: Vec<Action> = Vec::new();
         let mut joined_below: Option<Crossing> = None;
         for (number, slab) in slabs.iter().enumerate() {
-            let mut crossing = self.crossing(slab.part, &materials[slab.part], azimuth);
+            let Thick { faces, mut crossing } = own;
             if let Some(lower) = joined_below.take() {
                 crossing = Crossing { down: lower.down * crossing.down, up: crossing.up * lower.up };
             }
-            let next = slabs.get(number + 1).map(faces);
-            if let Some(next) = next.filter(|_| slab.above.is_empty())
-                && let Some([through, back]) = transparent_face(next, faces(slab))
-            {
-                joined_below = Some(Crossing { down: crossing.down * through, up: back * crossing.up });
-                continue;
-            }
-            let all = self.between(slab, next, (materials, kept), azimuth);
+            let next = slabs.get(number + 1).map(thick);
+            let all = match next {
+                Some(next) if slab.above.is_empty() => {
+                    let face = next.faces.from_medium().over(&faces.into_medium());
+                    own = next;
+                    if let Some([through, back]) = transparent(&face) {
+                        let (down, up) = (crossing.down * through, back * crossing.up);
+                        joined_below = Some(Crossing { down, up });
+                        continue;
+                    }
+                    vec![Between::new(&face); slab.choices.len()]
+                }
+                next => {
+                    let top = next.map_or_else(|| from_front(self.front), |next| next.faces.from_medium());
+                    own = next.unwrap_or(own);
+                    self.between(slab, (top, faces.into_medium()), (materials, kept), azimuth)
+                }
+            };
             let Crossing { down, up } = crossing;
             let inside: Vec<Action> = if below.is_empty() {
-                amplitudes.iter().map(|r| actions([up * (*r * down)])[0]).collect()
+                seen.iter().map(|r| actions([up * (*r * down)])[0]).collect()
             } else {
                 let [down, up] = actions([down, up]);
                 below.iter().map(|r| up.times(&r.times(&down))).collect()
             };
             let combinations = slab.combinations.iter();
-            if next.is_none() {
+            if number + 1 == slabs.len() {
                 return combinations
                     .map(|(below, own)| asked.of_layers(&all[*own], &inside[*below]))
                     .collect();
@@ -470,16 +490,14 @@ impl<'a> Group<'a> {
         Vec::new()
     }
 
-    /// Returns the coherent layers from a medium with these faces, or from the front, down to a thick layer, for each choice of their lists.
+    /// Returns the coherent layers above a thick layer, between faces above and below them, for each choice of their lists.
     fn between(
         &self,
         slab: &Slab,
-        above: Option<[Complex; 2]>,
+        (top, bottom): (Blocks, Blocks),
         (materials, kept): (&[Material], &mut [Vec<Kept>]),
         azimuth: f64,
     ) -> Vec<Between> {
-        let top = above.map_or_else(|| from_front(self.front), from_medium);
-        let bottom = into_medium(materials[slab.part].thick.faces);
         let parts: Vec<Vec<Blocks>> = slab
             .above
             .clone()
@@ -501,18 +519,13 @@ impl<'a> Group<'a> {
         slab.choices.iter().map(of_choice).collect()
     }
 
-    /// Returns the admittances of an isotropic medium over those of the reference.
-    fn admittances(&self, index: Complex) -> [Complex; 2] {
+    /// Returns the faces of an isotropic medium.
+    fn faces(&self, index: Complex) -> Faces {
+        // The admittance of p, n^2/q, is infinite for waves along the face.
         let square = index * index;
-        let q = root(square - Complex::from(self.beta * self.beta));
-        let p = (square * q.inverse()).scaled(self.inverse_root[0] * self.inverse_root[0]);
-        [p, q.scaled(self.inverse_root[1] * self.inverse_root[1])]
-    }
-
-    /// Returns the reflection of a medium without anything above it.
-    fn of_medium(&self, index: &[Complex64]) -> Pair {
-        let [p, s] = face(self.admittances(self.complex(index)));
-        Pair::diagonal(p, s)
+        let q = wave_down(square - Complex::from(self.beta * self.beta));
+        let (p, s) = (q.scaled(self.root[0] * self.root[0]), Complex::from(self.root[1] * self.root[1]));
+        Faces::isotropic([(square - p) * (square + p).inverse(), (s - q) * (s + q).inverse()])
     }
 
     /// Returns the reflections of a part over each combination of what is below it.
@@ -571,13 +584,13 @@ impl<'a> Group<'a> {
     }
 
     /// Returns the scattering matrix of a slice.
-    fn layer(&self, material: &Material, slice: &Slice, azimuth: f64, more: Real) -> Blocks {
+    fn layer(&self, material: &Material, slice: &Slice, azimuth: f64) -> Blocks {
         let (depth, growth) = self.depth(material, slice);
         let (mut whole, doublings) = with_widest_simd(
             #[inline(always)]
             || match material.absorbs {
-                true => layer(&material.complex(self, slice, azimuth), depth + more, growth),
-                false => layer(&material.real(self, slice, azimuth), depth + more, growth),
+                true => layer(&material.complex(self, slice, azimuth), depth, growth),
+                false => layer(&material.real(self, slice, azimuth), depth, growth),
             },
         );
         for _ in 0..doublings {
@@ -600,9 +613,8 @@ impl<'a> Group<'a> {
                 out.push(out[list.first_equal]);
                 continue;
             }
-            let of_slices = |azimuth: f64| {
-                slices.iter().map(move |slice| self.layer(material, slice, azimuth, Real::splat(0.0)))
-            };
+            let of_slices =
+                |azimuth: f64| slices.iter().map(move |slice| self.layer(material, slice, azimuth));
             out.push(if list.is_nothing {
                 Blocks::nothing()
             } else if material.isotropic {
@@ -622,33 +634,6 @@ impl<'a> Group<'a> {
             });
         }
     }
-
-    /// Returns the transmission of a thick layer without its faces.
-    fn crossing(&self, number: usize, material: &Material, azimuth: f64) -> Crossing {
-        let zero = Complex::zero();
-        let (mut down, mut up) = (Pair::diagonal(zero, zero), Pair::diagonal(zero, zero));
-        let slices = self.stack.parts[number].slices.iter().flatten();
-        let Thick { faces, wave, eighth, turn } = material.thick;
-        // A thick layer is one slice.
-        for slice in slices.take(1) {
-            if material.isotropic {
-                let wave = wave.scaled(self.k0 * Real::splat(slice.thickness_nm)).wave();
-                return Crossing { down: Pair::diagonal(wave, wave), up: Pair::diagonal(wave, wave) };
-            }
-            // The mean of two thicknesses that differ by a quarter wave, whose phase is undone: what the faces of the layer itself reflect to each
-            // other has opposite signs in both.
-            let thinner = self.layer(material, slice, azimuth, eighth * Real::splat(-1.0));
-            let quarter =
-                self.layer(material, &Slice { thickness_nm: 0.0, ..*slice }, azimuth, eighth + eighth);
-            for (sign, layer) in [(1.0, thinner.over(&quarter)), (-1.0, thinner)] {
-                let inside = from_medium(faces).over(&layer).over(&into_medium(faces));
-                let phase = Complex { re: turn.re, im: turn.im * Real::splat(-sign) };
-                let phase = Pair::diagonal(phase, phase);
-                (down, up) = (down + inside.t * phase, up + inside.t_up * phase);
-            }
-        }
-        Crossing { down, up }
-    }
 }
 
 /// Returns the values from number `first` on; the last one is repeated.
@@ -660,12 +645,12 @@ fn loaded(values: &[f64], first: usize) -> Real {
     out
 }
 
-/// Returns the square root with Im >= 0.
+/// Returns the square root of a wave down, or of one that decays downwards: Re + Im >= 0.
 fn root(z: Complex) -> Complex {
     let mut out = z;
     for k in 0..LANES {
         let root = Complex64::new(z.re.0[k], z.im.0[k]).sqrt();
-        let root = if root.im < 0.0 { -root } else { root };
+        let root = if root.re + root.im < 0.0 { -root } else { root };
         (out.re.0[k], out.im.0[k]) = (root.re, root.im);
     }
     out

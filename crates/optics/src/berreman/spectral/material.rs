@@ -1,11 +1,11 @@
-//! What waves of any azimuth have in common in a part: its dielectric constants at some wavelengths, and its light as a thick layer.
-
-use std::f64::consts::FRAC_PI_4;
+//! What waves of any azimuth have in common in a part: its dielectric constants at some wavelengths, and its faces as an isotropic thick layer.
 
 use super::super::generator::Generator;
-use super::super::lanes::{Complex, Element, Real};
-use super::faces::face;
+use super::super::lanes::{Complex, Element, Pair, Real};
+use super::faces::Faces;
+use super::thick::{Crossing, Thick, anisotropic, wave_down};
 use super::{Group, Part, Slice, root};
+use crate::with_widest_simd;
 
 /// Bound of the rate at which waves grow over that of waves along the principal axes.
 const GROWTH: f64 = 1.5;
@@ -21,19 +21,10 @@ pub(super) struct Material {
     /// Bound of the rate at which waves grow, over k0.
     pub(super) rate: Real,
     pub(super) grows: bool,
-    pub(super) thick: Thick,
-}
-
-/// A part as a thick layer.
-#[derive(Clone, Copy)]
-pub(super) struct Thick {
-    /// Reflections of a face from the reference to a medium of its mean index and least absorption, p and s.
-    pub(super) faces: [Complex; 2],
-    /// Wave vector along the normal in that medium, over k0.
-    pub(super) wave: Complex,
-    /// k0 d of an eighth of a wave, and half of its phase factor.
-    pub(super) eighth: Real,
-    pub(super) turn: Complex,
+    /// Faces from the reference to an isotropic medium.
+    faces: Faces,
+    /// Square of the wave vector along the normal, over k0: of waves in an isotropic medium, and of the ordinary ones in a uniaxial medium.
+    normal: Complex,
 }
 
 impl Material {
@@ -46,19 +37,26 @@ impl Material {
         let rate = along[0].larger(along[1]).larger(along[2]) * Real::splat(GROWTH);
         let is_zero = |value: Complex| value.norm_sqr().max() == 0.0;
         let [biaxial, isotropic] = [!is_zero(more[1]), is_zero(more[0]) && is_zero(more[1])];
-        // What leaves a polariser is the wave that it transmits: its faces are those of a medium that absorbs as that wave is absorbed.
-        let [k, k_b, k_c] = indices.map(|index| -index.im);
-        let k = -k.larger(k_b).larger(k_c);
-        let [a, b, c_of_wave] = indices.map(|index| {
-            let index = Complex { re: index.re, im: k };
-            index * index
-        });
-        let mean = root((a + b + c_of_wave).scaled(Real::splat(1.0 / 3.0)));
-        let wave = root(mean * mean - Complex::from(group.beta * group.beta));
-        let eighth = wave.re.at_least(0.1).inverse() * Real::splat(FRAC_PI_4);
-        let turn = Complex::from(wave.re * eighth).wave().scaled(Real::splat(0.5));
-        let thick = Thick { faces: face(group.admittances(mean)), wave, eighth, turn };
-        Self { square: c, more, biaxial, isotropic, absorbs, rate, grows: rate.max() > 0.0, thick }
+        let (faces, normal) = (group.faces(indices[2]), c - Complex::from(group.beta * group.beta));
+        Self { square: c, more, biaxial, isotropic, absorbs, rate, grows: rate.max() > 0.0, faces, normal }
+    }
+
+    /// Returns the part, a thick layer of one slice, as waves of this azimuth meet it.
+    pub(super) fn thick(&self, group: &Group<'_>, slice: &Slice, azimuth: f64) -> Thick {
+        let depth = group.k0 * Real::splat(slice.thickness_nm);
+        if self.isotropic {
+            let wave = wave_down(self.normal).scaled(depth).wave();
+            let both = Pair::diagonal(wave, wave);
+            return Thick { faces: self.faces, crossing: Crossing { down: both, up: both } };
+        }
+        let ordinary = (!self.biaxial).then_some(self.normal);
+        with_widest_simd(
+            #[inline(always)]
+            || match self.absorbs {
+                true => anisotropic(&self.complex(group, slice, azimuth), ordinary, depth),
+                false => anisotropic(&self.real(group, slice, azimuth), ordinary, depth),
+            },
+        )
     }
 
     #[inline(always)]
