@@ -276,6 +276,7 @@ impl Resolver<'_> {
         choose_method(file, &mut scene);
         self.check_panel(file, &scene);
         self.check_reach(file, &scene);
+        self.note_unpolarised(&scene);
         self.check_medium(file, &scene);
         self.check_surface(file);
         self.check_size(file, &scene);

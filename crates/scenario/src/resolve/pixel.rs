@@ -22,6 +22,9 @@ const COARSE_ANGLES: f64 = 0.005;
 /// Largest number of values in a table of a pixel: 80 MB.
 const MOST_NUMBERS: usize = 10_000_000;
 
+/// Angle of a view in air from which on a face polarises light noticeably, degrees: at 40, s and p pass it as 0.91 to 0.98.
+const OBLIQUE_DEG: f64 = 40.0;
+
 impl Resolver<'_> {
     pub(super) fn pixel(&mut self, pixel: &Spanned<describe::Pixel>) -> Option<Pixel> {
         match &pixel.value {
@@ -108,6 +111,28 @@ impl Resolver<'_> {
             let at = display.pixel.model().or_override(glass.into_iter().chain(causes));
             self.errors.push(at, dispersive("the medium above this pixel", index));
         }
+    }
+
+    /// Notes that a table has no polarisation, where what lies above it, or a polariser before the eye, makes that matter.
+    pub(super) fn note_unpolarised(&mut self, scene: &Scene) {
+        let Pixel::Table(_) = &scene.display.pixel else { return };
+        let is_face = |layer: &scene::Layer| {
+            matches!(layer.interface, scene::Interface::Ready(Ready::Fresnel) | scene::Interface::Coating(_))
+        };
+        let is_oblique = scene.viewer.theta_deg.iter().any(|theta_deg| *theta_deg >= OBLIQUE_DEG);
+        let why = if !scene.display.is_flat() {
+            return;
+        } else if scene.viewer.polariser_deg.is_some() {
+            "Through `viewer.polariser`"
+        } else if is_oblique && scene.display.layers.iter().any(is_face) {
+            "Below flat faces, which polarise oblique light"
+        } else {
+            return;
+        };
+        self.notes.push(format!(
+            "a table has no polarisation: it reflects s and p equally. {why}, a pixel that does not, such as a liquid crystal with its polariser, looks \
+             different; expected its layers, model = \"liquid-crystal\" or \"film\""
+        ));
     }
 
     /// Checks that a pixel table covers the angles of the light in the stack.

@@ -205,6 +205,24 @@ fn mistakes_are_reported_at_their_places() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
+/// What polarises the light of a table is noted: a face at 40 deg or more, and a polariser before the eye.
+#[test]
+fn tables_below_faces_have_a_note_of_polarisation() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "state,theta_deg,wavelength_nm,reflectance\nwhite,0,380,0.5\nwhite,0,780,0.5\nwhite,90,380,0.5\nwhite,90,780,0.5\n";
+    fs::write(folder.path().join("pixel.csv"), rows).unwrap();
+    let is_noted = |surface: &str, viewer: &str| {
+        let text = format!(
+            "[display.glass]\nindex = 1.5\nsurface = \"{surface}\"\n[display.pixel]\nmodel = \"table\"\nfile = \"pixel.csv\"\nangles = \"air\"\n\
+             [lighting]\ndiffuse = 1\nspectrum = \"E\"\n[viewer]\n{viewer}\n"
+        );
+        let notes = resolve(&text, folder.path(), &[]).unwrap_or_else(|e| panic!("{e}")).notes;
+        notes.iter().any(|note| note.contains("a table has no polarisation"))
+    };
+    assert!(is_noted("fresnel", "theta_deg = 60") && is_noted("ideal-ar", "theta_deg = 0\npolariser = 0"));
+    assert!(!is_noted("fresnel", "theta_deg = 8") && !is_noted("ideal-ar", "theta_deg = 60"));
+}
+
 /// A pixel whose reflectance is 0.5 + 0.4 cos(10 theta): the error of lines is 5 h^2 for steps h in radians, 0.038
 /// over 5 deg and 0.0015 over 1 deg.
 #[test]
