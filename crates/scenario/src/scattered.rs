@@ -46,6 +46,14 @@ pub(crate) fn scattered(
         wrong.into_iter().for_each(|(origin, problem)| errors.push(origin, problem));
         return None;
     }
+    if *key.relative && key.choices.is_some() {
+        let wrong = mistake::not_with("relative = true", "choices");
+        errors.push(
+            key.relative.origin,
+            wrong.hint("choices are values of the key: multiply them yourself, and remove `relative`"),
+        );
+        return None;
+    }
     let centre = Centre::of(*key.relative, &values);
     let distribution = distribution(key, &centre, errors);
     // The key's own value is needed only where the numbers are relative to it, or deviations from it.

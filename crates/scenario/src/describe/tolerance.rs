@@ -36,15 +36,15 @@ pub(crate) const MOST_SAMPLES: u64 = 10_000_000;
 
 table! {
     /// A key with a distribution, or several with the same deviation. There is exactly one distribution. Its numbers are
-    /// values of the key; for several keys, deviations from the value of each.
+    /// values of the key; for several keys, deviations from the value of each. `choices` are always values.
     Scattered {
         /// A path as in `--set`; or `keys`.
         key: Option<String>,
-        /// Several paths with the same deviation; numbers are deviations from the value of each.
+        /// Several paths with the same deviation from the value of each, or with the same choice.
         keys: Option<Vec<Spanned<String>>>,
         /// Name in tables and figures. Default: the path.
         name: Option<Label>,
-        /// `true`: the numbers of the distribution are multiples of the scenario's value.
+        /// `true`: the numbers of the distribution are multiples of the scenario's value. Not with `choices`.
         relative: bool = false,
         /// Normal distribution.
         normal: Option<Normal>,
@@ -116,7 +116,7 @@ table! {
 table! {
     /// One of a list of values, with probabilities.
     Bins {
-        /// The possible values, of any type that the key accepts.
+        /// The possible values, of any type that the key accepts; for several keys, values of each of them.
         values: Vec<Spanned<Anything>>,
         /// Relative frequencies of the values. Default: equal weights.
         weights: Option<Vec<Spanned<Frequency>>>,

@@ -125,6 +125,11 @@ fn name_with_points_in_quotes_is_one_key_of_every_path() {
     assert_eq!((search.variables[0].own, &*search.variables[0].values(9.0)[0].0), (Some(150.0), PATH));
     assert_eq!(Tolerance::from_text(&tolerance, "s.toml", folder, &[]).unwrap().keys[0].paths[0].0, PATH);
     assert_eq!(Fit::from_text(&fit, "s.toml", folder, &[]).unwrap().variables[0].paths().last(), Some(PATH));
+    // Choices are values, which nothing multiplies.
+    let chosen =
+        tolerance.replace("normal = { sigma = 2 }", "relative = true\nchoices = { values = [0.9, 1.1] }");
+    let errors = Tolerance::from_text(&chosen, "s.toml", folder, &[]).unwrap_err().to_string();
+    assert!(errors.contains("relative = true") && errors.contains("cannot be combined"), "{errors}");
     // What a message names is read as the same key.
     let errors = resolve(&text, folder, &[&format!("{PATH}=-1")]).unwrap_err();
     let wrong = text.replace("gap_nm = 150", "gap_nm = -1");
