@@ -72,7 +72,7 @@ table! {
         extinction as "Extinction ratio": Option<ShareSpectrum>,
         /// The wave that it transmits.
         transmits as "Transmitted wave": TransmittedWave = TransmittedWave::Ordinary,
-        /// Refractive index.
+        /// Refractive index, without k.
         index as "Refractive index": MaterialSpec = MaterialSpec::Number(Index(1.5)),
         /// Thickness.
         thickness_um: CrystalThickness = CrystalThickness(20.0),

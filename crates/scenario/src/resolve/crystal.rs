@@ -141,6 +141,15 @@ impl Resolver<'_> {
     fn polariser(&mut self, polariser: &describe::Polariser) -> Option<CrystalPart> {
         let axis_deg = self.azimuth(&polariser.axis_deg, "axis_deg");
         let index = self.material(&polariser.index)?;
+        if index.iter().any(|index| index.im > 0.0) {
+            let wrong = Diagnostic::new("the index of this polariser has an extinction coefficient k")
+                .expected("a real index: what it absorbs follows from `transmittance` and `extinction`, or from `file`");
+            self.err(
+                &polariser.index,
+                wrong.hint("leave out k; a `file` may have k_transmitted and k_absorbed"),
+            );
+            return None;
+        }
         let thickness_nm = 1e3 * polariser.thickness_um.0;
         let [along, across] = self.extinction_of(polariser, thickness_nm)?;
         let with = |k: Vec<f64>| -> Vec<Complex64> {

@@ -276,6 +276,11 @@ fn mistakes_are_explained() {
             "axis_deg = 10, file = \"a.csv\", transmittance",
             "cannot be combined",
         ),
+        (
+            "axis_deg = 10, transmittance",
+            "axis_deg = 10, index = { n = 1.5, k = 0.01 }, transmittance",
+            "the index of this polariser has an extinction coefficient k",
+        ),
         ("transmittance = 0.44", "transmittance = 0.55", "this polariser would transmit 1.09989"),
         ("extinction = 1e-4", "extinction = 0", "extinction above 0"),
         ("plate = \"C\", retardance_nm = -100", "retardance_nm = -100", "this retarder has no axis"),
