@@ -275,6 +275,15 @@ impl Resolver<'_> {
             let retardance_nm = retarder.retardance_nm.0 * (1.0 + slope * (square(nm[k]) - 1.0));
             retardance_nm / thickness_nm
         };
+        let turned = (0..nm.len()).find(|k| more(*k) * retarder.retardance_nm.0 < 0.0);
+        if let Some(k) = turned {
+            self.notes.push(format!(
+                "`dispersion` = {}: the retardance has the opposite sign at {} nm, {} nm: it is a line over 1/wavelength^2 through 450 and 550 nm",
+                tidy(retarder.dispersion.0),
+                tidy(nm[k]),
+                tidy((10.0 * more(k) * thickness_nm).round() / 10.0),
+            ));
+        }
         let with = |share: f64| -> Vec<Complex64> {
             ordinary.iter().enumerate().map(|(k, n)| n + share * more(k)).collect()
         };

@@ -112,7 +112,12 @@ fn slices_follow_from_the_turn_and_the_retardance() {
     assert!(!notes.iter().any(|note| note.contains("slices")), "{notes:?}");
     let (own, notes) = counts("slices = 60");
     assert_eq!(own, [60, 60]);
-    assert!(notes.iter().any(|note| note.contains("`slices` = 60") && note.contains("84")), "{notes:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("`slices` = 60") && note.contains("84") && note.contains("by up to")),
+        "{notes:?}"
+    );
 }
 
 /// The director of each state is that of the relaxation, and the threshold shows: nothing moves at 1 V, the middle lies at 10 V.
@@ -223,6 +228,46 @@ fn fringes_that_nothing_resolves_are_refused_or_noted() {
     }
     let noted = resolve(&GOOD.replace("gap_um = 3.2", "gap_um = 60"), Path::new(""), &[]).unwrap();
     assert!(noted.notes.iter().any(|note| note.contains("fringes in a step of 50 nm")), "{:?}", noted.notes);
+}
+
+/// A line over 1/wavelength^2 through few values crosses 0: that at 380 nm is 275 nm (1 - 0.5 x 1.095/0.494), -30 nm.
+#[test]
+fn retardances_that_change_their_sign_are_noted() {
+    let notes = |dispersion: &str| {
+        let text = GOOD.replace("dispersion = 1.1", dispersion).replace("[400, 700]", "[380, 680]");
+        resolve(&text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}")).notes
+    };
+    let is_noted = |notes: &[String]| notes.iter().any(|note| note.contains("opposite sign at 380 nm, -29."));
+    assert!(is_noted(&notes("dispersion = 0.5")) && !is_noted(&notes("dispersion = 0.9")));
+}
+
+/// A field acts only on a director that can lower its energy by turning.
+#[test]
+fn voltages_that_cannot_act_are_noted() {
+    let notes = |pretilt_deg: f64, [along, across]: [f64; 2]| {
+        let cell = format!(
+            "pretilt_deg = {pretilt_deg}, K11_pN = 10, K22_pN = 7, K33_pN = 18, epsilon_parallel = {along}, epsilon_perpendicular = {across}, \
+             states = {{ white = {{ volts = 3 }}, black = {{ volts = 0 }} }}"
+        );
+        let text = GOOD
+            .replace(
+                "pretilt_deg = 2, states = { white = { tilt_deg = 80 }, black = { twist_deg = 60 } }",
+                &cell,
+            )
+            .replace("twist_deg = 63.6, ", "");
+        let resolved = resolve(&text, Path::new(""), &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        resolved.notes.iter().filter(|note| note.contains("does not move the director")).count()
+    };
+    for (pretilt_deg, permittivity, count) in [
+        (2.0, [10.0, 5.0], 0),
+        (2.0, [5.0, 5.0], 1),
+        (90.0, [10.0, 5.0], 1),
+        (90.0, [5.0, 10.0], 0),
+        (0.0, [5.0, 10.0], 1),
+        (0.0, [10.0, 5.0], 0),
+    ] {
+        assert_eq!(notes(pretilt_deg, permittivity), count, "{pretilt_deg} {permittivity:?}");
+    }
 }
 
 /// Keys that do not matter for their layer are named with their path; the layer is the same.

@@ -125,7 +125,7 @@ impl Resolver<'_> {
         if let Some(stated) = stated.filter(|stated| *stated < enough && enough > FEWEST_SLICES as usize) {
             let error = ERROR_OF_SLICES * (enough as f64 / stated as f64).powi(2);
             self.notes.push(format!(
-                "`slices` = {stated} is less than the {enough} that this cell needs for Y within 1e-4: Y may be off by {error:.1e}; leave out `slices`"
+                "`slices` = {stated} is less than the {enough} that this cell needs for Y within 1e-4: Y may be off by up to {error:.1e}; leave out `slices`"
             ));
         }
         let [ordinary, extraordinary] = indices?;
@@ -188,6 +188,27 @@ impl Resolver<'_> {
                     tidy(twist_deg),
                     tidy(tilt_deg)
                 );
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
+            }
+            let [along, across] = nematic.permittivity;
+            let is_level = |tilt_deg: f64| tilt_deg % 180.0 == 0.0;
+            let why = if along == across {
+                Some("both permittivities are equal")
+            } else if along > across && [tilt_deg, bottom].iter().all(is_vertical) {
+                Some(
+                    "the director is along the field already (pretilt 90 deg, epsilon_parallel > epsilon_perpendicular)",
+                )
+            } else if along < across && is_level(tilt_deg) && is_level(bottom) {
+                Some(
+                    "the director is across the field already (pretilt 0 deg, epsilon_parallel < epsilon_perpendicular)",
+                )
+            } else {
+                None
+            };
+            if let Some(why) = why.filter(|_| volts.0 != 0.0) {
+                let note = format!("`volts` = {} does not move the director, because {why}", tidy(volts.0));
                 if !self.notes.contains(&note) {
                     self.notes.push(note);
                 }
