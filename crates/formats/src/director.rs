@@ -15,7 +15,7 @@ static COLUMNS: [&Quantity; 3] = [&DEPTH, &TILT, &TWIST];
 pub struct DirectorRow {
     /// Fraction of the gap, from the top: 0 to 1.
     pub depth: f64,
-    /// Tilt out of the panel, degrees.
+    /// Tilt out of the panel, degrees; beyond 90, the director has turned through the normal.
     pub tilt_deg: f64,
     /// Azimuth from that of rubbing at the top, degrees.
     pub twist_deg: f64,
@@ -25,7 +25,7 @@ pub struct DirectorRow {
 /// the gap from its top, ascending from 0 to 1.
 ///
 /// # Errors
-/// With line and column: cells that are not numbers, depths that do not ascend from 0 to 1, tilts beyond 90 deg.
+/// With line and column: cells that are not numbers, depths that do not ascend from 0 to 1, tilts beyond 180 deg.
 ///
 /// ```
 /// # use papilio_formats::{DataFile, read_director};
@@ -52,7 +52,7 @@ pub fn read_director(file: &DataFile) -> Result<Vec<DirectorRow>, FormatError> {
         let expected = "a fraction of the gap from 0 (top) to 1 (bottom)";
         let director = DirectorRow {
             depth: depth.number_within(&row, "a depth", (0.0, 1.0), expected)?,
-            tilt_deg: tilt.number_within(&row, "a tilt", (-90.0, 90.0), "-90 to 90 degrees")?,
+            tilt_deg: tilt.number_within(&row, "a tilt", (-180.0, 180.0), "-180 to 180 degrees")?,
             twist_deg: twist.number_within(&row, "a twist", (-3600.0, 3600.0), "-3600 to 3600 degrees")?,
         };
         let is_wrong = found.last().map_or(director.depth != 0.0, |last| director.depth <= last.depth);
@@ -92,6 +92,13 @@ mod tests {
         assert!((found[1].tilt_deg - 1.0_f64.to_degrees()).abs() < 1e-9 && found[2].twist_deg == 90.0);
     }
 
+    /// Those of a pi cell turn through the normal.
+    #[test]
+    fn directors_turn_through_the_normal() {
+        let found = read("depth,tilt_deg,twist_deg\n0,5,0\n0.5,90,0\n1,175,0\n").unwrap();
+        assert_eq!(found.iter().map(|row| row.tilt_deg).collect::<Vec<_>>(), [5.0, 90.0, 175.0]);
+    }
+
     #[test]
     fn mistakes_have_their_line() {
         const HEAD: &str = "depth,tilt_deg,twist_deg\n";
@@ -100,7 +107,7 @@ mod tests {
             ("0,0,0\n0.5,0,0\n", "the depths of this table end at 0.5"),
             ("0.1,0,0\n1,0,0\n", "the depth 0.1 is out of order"),
             ("0,0,0\n1,0,0\n1,0,0\n", "the depth 1 is out of order"),
-            ("0,0,0\n1,91,0\n", "91"),
+            ("0,0,0\n1,181,0\n", "181"),
             ("0,0,0\n2,0,0\n", "2"),
         ] {
             let error = read(&format!("{HEAD}{rows}")).unwrap_err();
