@@ -441,7 +441,7 @@ impl<'a> Group<'a> {
         with_widest_simd(
             #[inline(always)]
             || {
-                let face = own.faces.from_medium();
+                let face = own.faces.left();
                 for r in amplitudes {
                     seen.push(face.over_reflection(*r));
                 }
@@ -457,7 +457,7 @@ impl<'a> Group<'a> {
             let next = slabs.get(number + 1).map(thick);
             let all = match next {
                 Some(next) if slab.above.is_empty() => {
-                    let face = next.faces.from_medium().over(&faces.into_medium());
+                    let face = next.faces.left().over(&faces.entered());
                     own = next;
                     if let Some([through, back]) = transparent(&face) {
                         let (down, up) = (crossing.down * through, back * crossing.up);
@@ -467,9 +467,9 @@ impl<'a> Group<'a> {
                     vec![Between::new(&face); slab.choices.len()]
                 }
                 next => {
-                    let top = next.map_or_else(|| from_front(self.front), |next| next.faces.from_medium());
+                    let top = next.map_or_else(|| from_front(self.front), |next| next.faces.left());
                     own = next.unwrap_or(own);
-                    self.between(slab, (top, faces.into_medium()), (materials, kept), azimuth)
+                    self.between(slab, (top, faces.entered()), (materials, kept), azimuth)
                 }
             };
             let Crossing { down, up } = crossing;

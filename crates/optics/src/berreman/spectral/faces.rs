@@ -22,14 +22,14 @@ impl Faces {
 
     /// Returns the face from the reference down into the medium, in waves of it whose transmission down is 1.
     #[inline(always)]
-    pub(super) fn into_medium(&self) -> Blocks {
+    pub(super) fn entered(&self) -> Blocks {
         let Self { r, r_below } = *self;
         Blocks { r, t: Pair::one(), r_below: -r_below, t_up: Pair::one() - r * r_below }
     }
 
     /// Returns the face from the medium down into the reference.
     #[inline(always)]
-    pub(super) fn from_medium(&self) -> Blocks {
+    pub(super) fn left(&self) -> Blocks {
         let Self { r, r_below } = *self;
         Blocks { r: -r, t: Pair::one() - r_below * r, r_below, t_up: Pair::one() }
     }

@@ -245,13 +245,11 @@ fn polarisers_equal_the_mean_over_the_phase_of_their_layer() {
                     let over = (open[0][0] * open[1][1] - open[0][1] * open[1][0]).inv();
                     let inverse =
                         [[open[1][1] * over, -open[0][1] * over], [-open[1][0] * over, open[0][0] * over]];
-                    for i in 0..2 {
-                        for k in 0..2 {
-                            let [row, column] = [i, k].map(|i| if i == 0 { p } else { s });
-                            let inner: Complex64 = (0..2).map(|j| r[i][j] * inverse[j][k]).sum();
-                            let own = if i == k { row[0] } else { Complex64::ZERO };
-                            sum += (own + row[1] * inner * column[1]).norm_sqr();
-                        }
+                    for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                        let [row, column] = [i, k].map(|i| if i == 0 { p } else { s });
+                        let inner: Complex64 = (0..2).map(|j| r[i][j] * inverse[j][k]).sum();
+                        let own = if i == k { row[0] } else { Complex64::ZERO };
+                        sum += (own + row[1] * inner * column[1]).norm_sqr();
                     }
                 }
                 let expected = 0.5 * sum / f64::from(count);
