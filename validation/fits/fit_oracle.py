@@ -8,7 +8,9 @@ cells.csv: direction cosines of propagation (in, out) and values f, 1/sr. The da
 formulas: a narrow and a wide k-correlation lobe, a tilt, and noise of a fixed seed.
 fits.csv: for each formula, without and with a regular part of width 0.02 in direction cosines, the
 parameters at the minimum of the sum of ((d - f) cos(theta_i))^2 within bounds, their standard errors
-sqrt(diag(s^2 (J^T J)^-1)) and the root mean square residual. The formulas are implemented independently
+for residuals of any sizes (HC3: A J^T diag((r/(1 - h))^2) J A with A = (J^T J)^-1 and the diagonal h of
+the projection onto J), Student's quantile of 97.5 % with the degrees of freedom of each of these sums
+(Satterthwaite), and the root mean square residual. The formulas are implemented independently
 here; derivatives are by complex steps, without errors of differences.
 """
 
@@ -17,6 +19,7 @@ import sys
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.stats import t
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
@@ -127,19 +130,21 @@ def fits(rows):
             end = least_squares(
                 residual, first, jac="cs", bounds=(low, high), method="trf", x_scale="jac", **limits
             )
-            freedom = len(c.value) - len(first)
-            variance = 2 * end.cost / freedom
-            errors = np.sqrt(np.diag(variance * np.linalg.inv(end.jac.T @ end.jac)))
+            q, r = np.linalg.qr(end.jac)
+            free = 1 - np.sum(q**2, axis=1)
+            squares = (np.linalg.solve(r, q.T) * (end.fun / free)) ** 2
+            errors = np.sqrt(squares.sum(axis=1))
+            freedom = 3 * squares.sum(axis=1) ** 2 / (squares**2).sum(axis=1)
+            quantiles = t.ppf(0.975, np.minimum(freedom, len(c.value) - len(first)))
             rms = np.sqrt(2 * end.cost / len(c.value))
-            numbers = [*end.x, *errors]
-            cells_of = [repr(float(v)) for v in numbers]
-            yield [name, int(straight), repr(float(rms)), ";".join(cells_of[: len(first)]), ";".join(cells_of[len(first) :])]
+            columns = [";".join(repr(float(v)) for v in all_of) for all_of in (end.x, errors, quantiles)]
+            yield [name, int(straight), repr(float(rms)), *columns]
 
 
 def tables():
     rows = cells()
     yield "cells.csv", [["from_x", "from_y", "to_x", "to_y", "f"], *rows], 1e-12
-    yield "fits.csv", [["kind", "straight", "rms", "parameters", "errors"], *fits(rows)], 1e-7
+    yield "fits.csv", [["kind", "straight", "rms", "parameters", "errors", "quantiles"], *fits(rows)], 1e-7
 
 
 if __name__ == "__main__":
