@@ -20,15 +20,15 @@ impl fmt::Display for SpreadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::SeveralFronts => {
-                "several components of the front of screen lie between the pixel and a reflection (expected one with a gap); the \
+                "several components of the front of screen between the pixel and a reflection (expected one with a gap); the \
                  Monte Carlo solver follows light between them"
             }
             Self::ManyWays => {
-                "components of the front of screen send light to and fro between them too often (expected products of the reflectances \
+                "components of the front of screen between which light goes to and fro too often (expected products of the reflectances \
                  of two of them below 0.9)"
             }
             Self::ScatteringPixel => {
-                "the pixel scatters by a kernel of its own (expected a mirror or a Lambertian pixel)"
+                "a pixel that scatters by a kernel of its own (expected a mirror or a Lambertian pixel)"
             }
             Self::Unrefracted => {
                 "a face whose index is not that of the glass (expected the same index)"
