@@ -12,9 +12,9 @@ use papilio_display::{
     RingGrid, RingTable, SavedRows, ViewerGrid, ViewerTable,
 };
 use papilio_formats::{
-    BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_rings, scene_script, write_bsdf,
-    write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant, write_file, write_json, write_mirror_csv,
-    write_reflection, write_rgl,
+    BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_numbers, klems_rings, scene_script,
+    write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant, write_file, write_json,
+    write_mirror_csv, write_reflection, write_rgl,
 };
 use papilio_scenario::{Resolved, Scenario};
 
@@ -29,7 +29,7 @@ const MIRROR: &str = "display-mirror";
 const SCENE: &str = "scene.py";
 
 /// Fractions of the progress that are the dependence on azimuth, the table, and the components of the reflection, about.
-const PARTS: [f64; 3] = [0.01, 0.9, 0.1];
+const PARTS: [f64; 3] = [0.01, 0.89, 0.1];
 
 /// Step of the azimuths of the light where the display depends on them, degrees.
 const PHI_STEP_DEG: f64 = 15.0;
@@ -189,7 +189,7 @@ fn check_size(arguments: &Brdf, scene: &Scene, states: usize, phi_step: Option<f
         }
         // What is computed at once; a file has X, Y and Z.
         BrdfFormat::Radiant => (RingGrid::numbers(step, phi_step, states, bins), "theta_i x viewers", ""),
-        BrdfFormat::Klems => (0, "", ""),
+        BrdfFormat::Klems => (klems_numbers(phi_step, states, bins), "theta_i x viewers", ""),
         BrdfFormat::Npz | BrdfFormat::Csv => {
             // A large number of steps is refused before the grid takes memory.
             (table_numbers(step, phi_step, states, bins), "theta_i x theta_o x dphi", "")
@@ -212,7 +212,11 @@ fn check_size(arguments: &Brdf, scene: &Scene, states: usize, phi_step: Option<f
              = help: use {permitted}{smaller}a larger {phi}{}spectrum.step_nm or fewer --states",
             number(numbers as f64),
             number(BrdfGrid::MOST_NUMBERS as f64),
-            if permitted.is_empty() { "--step, a larger " } else { "" }
+            if permitted.is_empty() && arguments.format != BrdfFormat::Klems {
+                "--step, a larger "
+            } else {
+                ""
+            }
         )));
     }
     Ok(())

@@ -204,7 +204,8 @@ fn brdf_of_a_pixel_that_depends_on_azimuth_has_azimuths_of_the_light() {
     let of = |more: &[&str]| {
         let mut command = papilio();
         command.arg("brdf").arg(scenario("azimuth-pixel")).arg("--out").arg(folder.path());
-        command.args(hazy).args(["--phi-step", "90", "--allow-error", "0.1"]).args(more).output().unwrap()
+        let azimuths: &[&str] = if more.contains(&"--phi-step") { &[] } else { &["--phi-step", "90"] };
+        command.args(hazy).args(azimuths).args(["--allow-error", "0.1"]).args(more).output().unwrap()
     };
     let output = of(&["--format", "csv", "--step", "45"]);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -229,6 +230,19 @@ fn brdf_of_a_pixel_that_depends_on_azimuth_has_azimuths_of_the_light() {
         inspect.args(["diffuser", "inspect"]).arg(folder.path().join(file));
         let output = inspect.arg("--out").arg(folder.path().join("inspected")).output().unwrap();
         assert!(output.status.success(), "{format:?}: {}", stderr(&output));
+    }
+    let front = ["--set", "display.front=[{reflectance=0.05,gap_mm=1}]"];
+    let refused = [
+        (
+            &["--format", "klems", "--phi-step", "0.5"][..],
+            "use a larger --phi-step, a larger spectrum.step_nm or",
+        ),
+        (&[&front[..], &["--step", "45"]].concat(), "depends on azimuth"),
+    ];
+    for (more, expected) in refused {
+        let output = of(more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
     }
     let output = brdf("indoor", &folder.path().join("round"), &["--phi-step", "30"]);
     assert_eq!(output.status.code(), Some(2));

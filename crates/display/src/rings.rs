@@ -79,10 +79,20 @@ impl RingGrid {
     /// Returns about how many values the viewers of a [`new`](Self::new) grid have, or of one [`around`](Self::around) with this step of
     /// azimuth.
     pub fn numbers(step_deg: f64, phi_step_deg: Option<f64>, states: usize, wavelengths: usize) -> usize {
+        Self::numbers_of(HalfVectorGrid::lights_deg(step_deg).len(), phi_step_deg, states, wavelengths)
+    }
+
+    /// Returns the same of a grid with this number of inclinations of the light.
+    pub fn numbers_of(
+        inclinations: usize,
+        phi_step_deg: Option<f64>,
+        states: usize,
+        wavelengths: usize,
+    ) -> usize {
         let (lights, azimuths) = phi_step_deg.map_or((1, 37), |step| (half_turn(step).len(), ROUND_AZIMUTHS));
         // Of the cells, 0.65 are above the horizon.
         let of_light = USUAL_RADIALS * azimuths * 65 / 100;
-        [HalfVectorGrid::lights_deg(step_deg).len(), lights, of_light, wavelengths]
+        [inclinations, lights, of_light, wavelengths]
             .iter()
             .fold(states, |product, length| product.saturating_mul(*length))
     }

@@ -127,8 +127,8 @@ pub use audit::{AuditFile, FitFile};
 pub use audit_text::audit_text;
 pub use bsdf::{
     BetweenError, BsdfFile, BsdfFormat, BsdfProblem, BsdfSource, Exported, FAINT, LARGEST_BSDF_FILE,
-    MOST_CELLS, MirrorFile, WriteError, between_error, bsdf_format_table, bsdf_formats, klems_rings,
-    read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems,
+    MOST_CELLS, MirrorFile, WriteError, between_error, bsdf_format_table, bsdf_formats, klems_numbers,
+    klems_rings, read_bsdf, read_bsdf_file, scene_script, write_bsdf, write_bsdf_csv, write_bsdf_klems,
     write_bsdf_radiant, write_measurement, write_mirror_csv, write_rgl,
 };
 pub use comparison::{write_compared_metrics, write_compared_spectra, write_comparison};

@@ -142,6 +142,11 @@ pub(crate) const COMMANDS: &[JobCommand] = &[
             choice("format", &["npz", "csv", "rgl", "radiant", "klems"], "Format of the files"),
             option("states", ValueKind::Names, "States to write; all of them without it"),
             option("step", ValueKind::Number, "Step of inclination and azimuth, a divisor of 90, degrees"),
+            option(
+                "phi-step",
+                ValueKind::Number,
+                "Step of the light's azimuth, where the display depends on it, degrees",
+            ),
             option("grid", ValueKind::Number, "Half vectors along each axis, 8 to 256; only for rgl"),
             option("allow-error", ValueKind::Number, "Accept relative errors up to this"),
         ],

@@ -23,6 +23,13 @@ pub fn klems_rings(widths: &LobeWidths, phi_step_deg: Option<f64>) -> RingGrid {
     RingGrid { azimuths_deg: rings.azimuths_deg.iter().step_by(2).copied().collect(), ..rings }
 }
 
+/// Returns about how many values are computed at the directions of [`klems_rings`].
+pub fn klems_numbers(phi_step_deg: Option<f64>, states: usize, wavelengths: usize) -> usize {
+    let inclinations = ring_patch_lights(&KLEMS_FULL).len();
+    let numbers = RingGrid::numbers_of(inclinations, phi_step_deg, states, wavelengths);
+    if phi_step_deg.is_some() { numbers } else { numbers / 2 }
+}
+
 /// Writes the scattered part of one state, number `state`, for light with the spectrum of D65; the table has
 /// the directions of [`klems_rings`].
 ///

@@ -37,7 +37,7 @@ mod xml;
 pub use between::{BetweenError, Exported, FAINT, between_error};
 pub use display::{BsdfSource, write_bsdf};
 pub use display_csv::{MirrorFile, write_bsdf_csv, write_mirror_csv};
-pub use display_klems::{klems_rings, write_bsdf_klems};
+pub use display_klems::{klems_numbers, klems_rings, write_bsdf_klems};
 pub use display_radiant::write_bsdf_radiant;
 pub use formats::{bsdf_format_table, bsdf_formats};
 pub use problem::BsdfProblem;

@@ -100,7 +100,7 @@ fn normal(numbers: &SampleStream, cell: usize) -> f64 {
 /// Errors may be of equal size in g, proportional to the value, or both, as those of an instrument with a floor.
 #[test]
 fn confidence_intervals_contain_truth_at_nominal_rate() {
-    let draws = papilio_testing::sized(150, 4000);
+    let draws = papilio_testing::sized(400, 4000);
     let kinds = [
         (Kind::Ward(Normalisation::Ward), [0.004, 0.0]),
         (Kind::KCorrelation, [0.004, 0.0]),

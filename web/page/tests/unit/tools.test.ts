@@ -1,9 +1,10 @@
 // Steps, tools, metrics and studies.
 
 import assert from "node:assert/strict";
+import { readdirSync } from "node:fs";
 import { test } from "node:test";
 
-import { galleryOf, GROUPS } from "../../src/model/gallery.ts";
+import { galleryOf, GROUPS, patchesOf } from "../../src/model/gallery.ts";
 import { grouped, groupOf, matches, meets, WHOLE } from "../../src/model/metrics.ts";
 import { keyOf, numberFrom, spreadOf, withSpread } from "../../src/model/study.ts";
 import { tableText } from "../../src/model/toml-table.ts";
@@ -24,6 +25,13 @@ test("gallery has every example once, those without a group in the last one", ()
   assert.equal(new Set(known).size, known.length);
   const groups = galleryOf(["indoor", "unknown"]);
   assert.deepEqual(groups.map(({ examples }) => examples), [["indoor"], ["unknown"]]);
+});
+
+test("every example has the colours of its states (npm run thumbnails)", () => {
+  const files = readdirSync(new URL("../../../../scenarios/", import.meta.url)).filter((name) => name.endsWith(".toml"));
+  assert.ok(files.length > 60);
+  const without = files.map((name) => name.replace(".toml", "")).filter((name) => !patchesOf(name).every((one) => /^#[0-9a-f]{6}$/.test(one)) || patchesOf(name).length === 0);
+  assert.deepEqual(without, []);
 });
 
 test("metrics are found by words in any order, without their marks", () => {
