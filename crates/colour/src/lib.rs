@@ -85,5 +85,5 @@ pub use oklab::Oklab;
 pub use peak::{peak_nm, peak_slopes};
 pub use rendering::{ColourTemperature, colour_temperature, rendering_index};
 pub use solid::{CORNERS, Corners, GamutSolid, HUES, RINGS};
-pub use srgb::{ScreenSpace, decoded_byte, encoded_byte};
+pub use srgb::{ScreenSpace, decoded_byte, displayed, encoded_byte};
 pub use xyz::{D65_UV, D65_WHITE, UvPrime, Xy, Xyz};

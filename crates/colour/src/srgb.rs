@@ -1,7 +1,7 @@
 //! sRGB and Display P3 colours for figures on a screen.
 //!
 //! **What.** The linear sRGB matrix and the sRGB transfer function (IEC 61966-2-1 with its amendment 1),
-//! clipped to the sRGB gamut. If the scene's light is not D65, the colour of a surface is first [adapted to
+//! limited to what a screen [displays](displayed). If the scene's light is not D65, the colour of a surface is first [adapted to
 //! D65](Xyz::adapted_to_d65), so that paper is shown as white. Display P3 has the primaries of SMPTE RP
 //! 431-2, and the white and transfer function of sRGB.
 
@@ -63,10 +63,19 @@ impl ScreenSpace {
         }
     }
 
-    /// Converts relative values under D65 to encoded bytes, clipped to the gamut.
+    /// Converts relative values under D65 to the encoded bytes of what the screen [displays](displayed).
     pub fn bytes(self, colour: Xyz) -> [u8; 3] {
-        self.linear(colour).map(encoded_byte)
+        displayed(self.linear(colour)).map(encoded_byte)
     }
+}
+
+/// What a screen shows of linear components: a colour that is too bright is the brightest one of its chromaticity, and then negative
+/// components, which are out of gamut, are 0.
+#[inline]
+pub fn displayed(linear: [f64; 3]) -> [f64; 3] {
+    let brightest = linear.into_iter().fold(1.0, f64::max);
+    // `max` replaces NaN by 0.
+    linear.map(|value| (value / brightest).max(0.0))
 }
 
 /// Encodes a linear component by the sRGB transfer function as the nearest byte, clipped to 0 to 1.
@@ -136,12 +145,12 @@ impl Xyz {
         times(&SRGB, self.to_array())
     }
 
-    /// Converts relative values under D65 to gamma-encoded sRGB, 0 to 1, clipped to the gamut.
+    /// Converts relative values under D65 to gamma-encoded sRGB, 0 to 1, of what a screen [displays](displayed).
     pub fn srgb_encoded(self) -> [f64; 3] {
-        self.linear_srgb().map(encoded_in_range)
+        displayed(self.linear_srgb()).map(encoded_in_range)
     }
 
-    /// Converts relative values under D65 to gamma-encoded sRGB bytes, clipped to the gamut.
+    /// Converts relative values under D65 to gamma-encoded sRGB bytes of what a screen [displays](displayed).
     pub fn srgb_clipped(self) -> [u8; 3] {
         ScreenSpace::Srgb.bytes(self)
     }
@@ -211,6 +220,19 @@ mod tests {
         assert!(white.iter().all(|value| (value - 1.0).abs() < 1e-12), "{white:?}");
         // The red of sRGB is inside: color(display-p3 0.9175 0.2003 0.1386).
         assert_eq!(ScreenSpace::DisplayP3.bytes(Xyz { x: 0.4124, y: 0.2126, z: 0.0193 }), [234, 51, 35]);
+    }
+
+    /// A colour of luminance 1 or more has the chromaticity that it has at a tenth of its light.
+    #[test]
+    fn colours_that_are_too_bright_keep_their_chromaticity() {
+        let orange = Xyz { x: 1.4, y: 1.1, z: 0.3 };
+        let (bright, dim) = (orange.srgb_encoded(), (orange * 0.1).linear_srgb());
+        let most = dim.into_iter().fold(0.0, f64::max);
+        assert!((bright[0] - 1.0).abs() < 1e-12, "{bright:?}");
+        for (bright, dim) in bright.into_iter().zip(dim) {
+            assert!((bright - encoded_in_range(dim / most)).abs() < 1e-12, "{bright} {dim}");
+        }
+        assert_eq!(orange.srgb_clipped(), bright.map(|value| (255.0 * value).round() as u8));
     }
 
     #[test]

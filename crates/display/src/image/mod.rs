@@ -65,7 +65,7 @@ pub use neutrals::Neutrals;
 pub use papilio_colour::ScreenSpace;
 use papilio_colour::mapping::{Intent, MapSpace};
 use papilio_colour::pictures::{AffineMap, MappedPicture};
-use papilio_colour::{Adaptation, D65_WHITE, Xyz, encoded_byte};
+use papilio_colour::{Adaptation, D65_WHITE, Xyz, displayed, encoded_byte};
 use papilio_imaging::halftone::{DiffusionKernel, Scan};
 use perspective::Eye;
 pub use regions::Regions;
@@ -441,7 +441,7 @@ impl OnScreen {
         let on_screen = |sample: [f32; 3]| {
             let shown = space.linear(shown_as.apply(colour(sample)));
             let is_clipped = shown.iter().any(|value| !(-CLIPPED..=1.0 + CLIPPED).contains(value));
-            (with_hue(shown).map(encoded_byte), is_clipped)
+            (displayed(shown).map(encoded_byte), is_clipped)
         };
         let mut bytes = vec![[0; 3]; seen.len()];
         let clipped = in_chunks(threads, &mut bytes, |first, bytes| {
@@ -455,12 +455,6 @@ impl OnScreen {
         });
         Self { bytes, clipped: clipped.into_iter().sum() }
     }
-}
-
-/// The brightest colour of a screen with the chromaticity of one that is too bright for it; others as they are.
-fn with_hue(linear: [f64; 3]) -> [f64; 3] {
-    let brightest = linear.into_iter().fold(1.0, f64::max);
-    linear.map(|value| value / brightest)
 }
 
 impl ImageResult {
