@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use papilio_colour::{Xyz, encoded_byte};
+use papilio_colour::Xyz;
 use papilio_display::image::{
     ImageInRoom, ImageNumbers, ImageResult, ImageSettings, Losses, PictureDifferences, Rendition, Screen,
     ScreenSpace, ScreenWhite, Sharpness, SourceImage, image,
 };
-use papilio_display::palette::{PaletteColour, bytes};
+use papilio_display::palette::{PaletteColour, bytes, warn_of_room};
 use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError, LightSummary};
 use papilio_formats::panel::write_states_png;
@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::arguments::ImageCommand;
 use crate::frame::{self, Frame, FrameRequest};
 use crate::numbers::measured;
-use crate::palette::room;
+use crate::palette::{room, warn_of_rooms};
 use crate::pictures::Shown;
 use crate::spatial::{SpatialOutput, compute_files, show, title};
 use crate::{Failure, costs, report};
@@ -103,6 +103,10 @@ impl<'a> Request<'a> {
         let numbers =
             rooms.iter().map(|(room, one)| ImageInRoom { room: room.clone(), numbers: one.numbers.clone() });
         here.numbers.rooms = numbers.collect();
+        for (name, room) in &rooms {
+            warn_of_room(&mut here.numbers.warnings, name, &room.numbers.warnings);
+        }
+        warn_of_rooms(&mut here.numbers.warnings, &self.rooms, &self.resolved);
         let frame = self.frame.as_ref().map(|frame| frame.frame(&here, self.title.clone()));
         let picture = if rooms.is_empty() { Vec::new() } else { on_screen(source, here.samples_per_pixel) };
         Ok(ImageOutput { picture, rooms, here, device_colours: self.arguments.device_colours, frame })
@@ -128,10 +132,8 @@ struct ImageOutput {
 
 /// Encoded red, green and blue of a picture, each pixel as this number of samples along each axis.
 fn on_screen(source: &SourceImage, samples: usize) -> Vec<[u8; 3]> {
-    let encoded = |[x, y, z]: &[f32; 3]| {
-        let rgb = Xyz { x: f64::from(*x), y: f64::from(*y), z: f64::from(*z) }.linear_srgb();
-        rgb.map(|value| encoded_byte(value.clamp(0.0, 1.0)))
-    };
+    let encoded =
+        |[x, y, z]: &[f32; 3]| Xyz { x: f64::from(*x), y: f64::from(*y), z: f64::from(*z) }.srgb_clipped();
     let pixels: Vec<[u8; 3]> = source.pixels.iter().map(encoded).collect();
     let rows = pixels.chunks(source.columns.max(1)).flat_map(|row| std::iter::repeat_n(row, samples));
     rows.flat_map(|row| row.iter().flat_map(|pixel| std::iter::repeat_n(*pixel, samples))).collect()

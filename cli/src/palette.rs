@@ -4,14 +4,14 @@
 use std::path::Path;
 
 use papilio_display::image::ScreenWhite;
-use papilio_display::palette::PaletteResult;
+use papilio_display::palette::{PaletteResult, warn_of_room};
 use papilio_formats::{TitledFile, files_of_palette, light_and_view, write_file};
 use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
 use serde::Serialize;
 
 use crate::arguments::PaletteCommand;
 use crate::numbers::measured;
-use crate::spatial::{SpatialOutput, show};
+use crate::spatial::{SpatialOutput, show, title};
 use crate::{Failure, report};
 
 pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
@@ -25,9 +25,18 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
     let rooms = rooms.collect::<Result<Vec<(String, Resolved)>, Failure>>()?;
     let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
     show(command, &resolved, |control| {
-        let result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
-        Ok(PaletteOutput { result, white: arguments.relative_to.into() })
+        let mut result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
+        warn_of_rooms(&mut result.warnings, &rooms, &resolved);
+        Ok(PaletteOutput { result, white: arguments.relative_to.into(), title: title(command, &resolved) })
     })
+}
+
+/// Adds the warnings of scenarios in the light of rooms that the scenario itself does not have.
+pub(crate) fn warn_of_rooms(warnings: &mut Vec<String>, rooms: &[(String, Resolved)], here: &Resolved) {
+    for (name, room) in rooms {
+        let new = room.warnings.iter().filter(|one| !here.warnings.contains(one)).cloned();
+        warn_of_room(warnings, name, &new.collect::<Vec<_>>());
+    }
 }
 
 /// Refuses names of rooms that are empty or given twice.
@@ -75,6 +84,8 @@ pub(crate) fn room(
 struct PaletteOutput {
     result: PaletteResult,
     white: ScreenWhite,
+    /// Title of the scenario, which the files for other programs have.
+    title: String,
 }
 
 impl SpatialOutput for PaletteOutput {
@@ -102,9 +113,8 @@ impl SpatialOutput for PaletteOutput {
     }
 
     fn write_tables(&self, folder: &Path) -> Result<Vec<String>, Failure> {
-        let name = folder.file_name().map_or("papilio".into(), |name| name.to_string_lossy());
         let mut names = Vec::new();
-        for (name, content) in files_of_palette(&name, &self.result, self.white) {
+        for (name, content) in files_of_palette(&self.title, &self.result, self.white) {
             write_file(&folder.join(name), |out| out.write_all(&content))?;
             names.push(name.to_owned());
         }

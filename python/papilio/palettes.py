@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -181,7 +180,7 @@ def palette(
     with reporting(progress, "views") as tell:
         core = _papilio.Palette(scene, there, changed.title, checked_threads(threads), tell)
     warned = _messages.merged(scene.warnings, core.warnings())
-    tables = core.tables(Path(changed.name).stem, relative_to == "display")
+    tables = core.tables(changed.title, relative_to == "display")
     found = Palette(core.json(), core.figures(changed.title), changed.title, warned, scene.notes, tables)
     _messages.warn(found.warnings)
     return found

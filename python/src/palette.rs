@@ -1,7 +1,7 @@
 //! The palette of a display: the content of the files of `papilio palette`.
 
 use papilio_display::image::ScreenWhite;
-use papilio_display::palette::{PaletteResult, palette};
+use papilio_display::palette::{PaletteResult, palette, warn_of_room};
 use papilio_formats::{TitledFile, files_of_palette};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -32,9 +32,13 @@ impl Palette {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let resolved = &scenario.of;
-        let rooms: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
+        let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
         let mut of =
-            computed(py, resolved, threads, progress, |control| palette(&resolved.scene, &rooms, control))?;
+            computed(py, resolved, threads, progress, |control| palette(&resolved.scene, &scenes, control))?;
+        for (name, room) in &rooms {
+            let new = room.get().of.warnings.iter().filter(|one| !resolved.warnings.contains(one)).cloned();
+            warn_of_room(&mut of.warnings, name, &new.collect::<Vec<_>>());
+        }
         resolved.warn_before(&mut of.warnings);
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),
@@ -56,9 +60,9 @@ impl Palette {
     }
 
     /// The files for other programs.
-    fn tables<'py>(&self, py: Python<'py>, name: &str, relative_to_display: bool) -> Tables<'py> {
+    fn tables<'py>(&self, py: Python<'py>, title: &str, relative_to_display: bool) -> Tables<'py> {
         let white = if relative_to_display { ScreenWhite::Display } else { ScreenWhite::Perfect };
-        let files = files_of_palette(name, &self.of, white).into_iter();
+        let files = files_of_palette(title, &self.of, white).into_iter();
         files.map(|(name, content)| (name.to_owned(), PyBytes::new(py, &content))).collect()
     }
 

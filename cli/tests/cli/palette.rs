@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use papilio_colour::Xyz;
+use papilio_formats::{DataFile, RgbSpace, read_picture, write_rgb_png};
 use serde_json::Value;
 
 use crate::common::{names, papilio_command as papilio, scenario, stderr};
@@ -51,6 +53,49 @@ fn files_are_written_and_white_is_white() {
     assert!(table.contains("in other rooms") && table.contains("office"), "{table}");
 }
 
+/// A colour is the same in palette.json, palette.gpl and seen.png, also one that is too bright for the screen or out of its gamut.
+#[test]
+fn colours_are_those_of_the_seen_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let edge = |(state, [low, high]): (&str, [f64; 2])| {
+        let row = |(nm, value): (u32, f64)| format!("{state},{nm},{value}\n");
+        [(380, low), (560, low), (565, high), (780, high)].map(row).concat()
+    };
+    let states = [("white", [0.95; 2]), ("black", [0.02; 2]), ("red", [0.0, 0.98]), ("cyan", [0.98, 0.0])];
+    let csv = format!("state,wavelength_nm,reflectance_factor\n{}", states.map(edge).concat());
+    let file = measured(folder.path(), &csv, "");
+    let usual = [[255; 3], [0; 3], [255, 0, 0], [0, 190, 220]];
+    let page = folder.path().join("page.png");
+    let mut bytes = Vec::new();
+    write_rgb_png(&mut bytes, 4, &usual, false).unwrap();
+    fs::write(&page, bytes).unwrap();
+    for (white, key) in [("white", "srgb"), ("display", "srgb_relative")] {
+        let out = folder.path().join(key);
+        let more = ["--relative-to", white, "--out", out.to_str().unwrap()];
+        let written = palette(&file, &more);
+        assert!(written.status.success(), "{}", stderr(&written));
+        let gpl = fs::read_to_string(out.join("palette.gpl")).unwrap();
+        assert!(gpl.contains("\nName: inks.toml, seen from 0 deg"), "{gpl}");
+        let all: Value = serde_json::from_slice(&fs::read(out.join("palette.json")).unwrap()).unwrap();
+        let set = ["--set", "image.halftone=\"nearest\"", "--set", "image.intent=\"relative\""];
+        let shown = papilio().arg("image").arg(&file).arg(&page).args(more).args(set).output().unwrap();
+        assert!(shown.status.success(), "{}", stderr(&shown));
+        let numbers: Value = serde_json::from_slice(&fs::read(out.join("image.json")).unwrap()).unwrap();
+        let seen = DataFile::open(&out.join("seen.png"), "seen.png").unwrap();
+        let row = read_picture(&seen, &RgbSpace::srgb()).unwrap().value.row(0);
+        for (at, (state, _)) in states.iter().enumerate() {
+            assert_eq!(numbers["coverage"][state], 0.25, "{}", numbers["coverage"]);
+            let [x, y, z] = row[at].map(f64::from);
+            let seen = Xyz { x, y, z }.srgb_clipped();
+            let of = |value: &Value| (255.0 * value.as_f64().unwrap()).round() as u8;
+            let colour: Vec<u8> = all["colours"][at][key].as_array().unwrap().iter().map(of).collect();
+            assert_eq!(seen, colour[..], "{state} {key}");
+            let [r, g, b] = seen;
+            assert!(gpl.contains(&format!("{r:3} {g:3} {b:3}\t{state}\n")), "{gpl}");
+        }
+    }
+}
+
 /// `papilio image` reads the picture of the scenario and `papilio palette` does not: the folder is the same, in either order. Another
 /// picture has a folder of its own.
 #[test]
@@ -93,6 +138,19 @@ fn colours_are_those_of_a_run() {
         assert_eq!(all["rooms"]["LED-B1"][name]["delta_e_2000"], 0.0, "{name}");
     }
     assert!(all["rooms"]["FL11"]["red"]["delta_e_2000"].as_f64().unwrap() > 2.0);
+    // The lights of the rooms: the scenario's own, and FL11, whose x and y are 0.3805 and 0.3769 (CIE 15).
+    let lights = &all["room_lights"];
+    assert_eq!(
+        (&lights["LED-B1"]["light"], &lights["LED-B1"]["white_XYZ"]),
+        (&all["light"], &all["white_XYZ"])
+    );
+    assert_eq!(lights["FL11"]["light"]["illuminance_lx"], all["light"]["illuminance_lx"]);
+    for (key, known) in [("x", 0.3805), ("y", 0.3769)] {
+        let value = lights["FL11"]["light"][key].as_f64().unwrap();
+        assert!((value - known).abs() < 5e-4, "{key} {value}");
+    }
+    let white = lights["FL11"]["white_XYZ"][0].as_f64().unwrap();
+    assert!((white - 0.3805 / 0.3769).abs() < 2e-3, "{white}");
     assert_eq!(all["white_XYZ"][1], 1.0);
 }
 

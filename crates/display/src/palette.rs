@@ -24,13 +24,24 @@ pub fn palette(
     let part = |number: usize| [number, number + 1].map(|lights| lights as f64 / (1 + rooms.len()) as f64);
     let here = control.within(part(0), |control| run(scene, control))?;
     let palette = of(&here)?;
-    let rooms = rooms.iter().enumerate().map(|(number, (name, scene))| {
-        let there = of(&control.within(part(number + 1), |control| run(scene, control))?)?;
-        Ok((name.clone(), there.into_room(&palette)))
-    });
-    let rooms = Named(rooms.collect::<Result<_, DisplayError>>()?);
-    let light = LightSummary::of(scene, &here);
-    Ok(PaletteResult { light, view, palette, rooms, warnings: here.warnings })
+    let (light, mut warnings) = (LightSummary::of(scene, &here), here.warnings);
+    let (mut in_rooms, mut lights) = (Vec::new(), Vec::new());
+    for (number, (name, scene)) in rooms.iter().enumerate() {
+        let result = control.within(part(number + 1), |control| run(scene, control))?;
+        let there = of(&result)?;
+        let light = RoomLight { light: LightSummary::of(scene, &result), white_XYZ: there.white_XYZ };
+        lights.push((name.clone(), light));
+        in_rooms.push((name.clone(), there.into_room(&palette)));
+        warn_of_room(&mut warnings, name, &result.warnings);
+    }
+    Ok(PaletteResult { light, view, palette, rooms: Named(in_rooms), room_lights: Named(lights), warnings })
+}
+
+/// Adds those warnings of a room that are not among those of the scenario's own light, with its name.
+pub fn warn_of_room(warnings: &mut Vec<String>, room: &str, there: &[String]) {
+    let new: Vec<_> = there.iter().filter(|one| !warnings.contains(one)).collect();
+    let new: Vec<_> = new.into_iter().map(|one| format!("in the light of {room}: {one}")).collect();
+    warnings.extend(new);
 }
 
 /// Result of [`palette`].
@@ -45,8 +56,20 @@ pub struct PaletteResult {
     pub palette: Palette,
     /// Colours in other rooms, by name and state.
     pub rooms: Named<Room>,
+    /// The lights of the rooms, by name.
+    pub room_lights: Named<RoomLight>,
     /// Warnings.
     pub warnings: Vec<String>,
+}
+
+/// The light of another room.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[allow(non_snake_case, reason = "the field's own letters, as palette.json spells them")]
+pub struct RoomLight {
+    /// The light.
+    pub light: LightSummary,
+    /// X, Y and Z of a perfect white in it, to which the colours of the room are relative; Y = 1.
+    pub white_XYZ: [f64; 3],
 }
 
 /// Colours of all states of a view.
@@ -79,7 +102,8 @@ pub struct PaletteColour {
     pub b_star: Option<f64>,
     /// Oklab L, a and b of the colour adapted to D65; a perfect white has L = 1.
     pub oklab: Option<[f64; 3]>,
-    /// sRGB, encoded and clipped, 0 to 1, of the colour adapted to D65; a perfect white is 1, 1, 1.
+    /// sRGB, encoded, 0 to 1, of the colour adapted to D65; a perfect white is 1, 1, 1. A colour that is too bright has the largest values of
+    /// its chromaticity, and then negative ones are 0, as in `seen.png`.
     pub srgb: Option<[f64; 3]>,
     /// The same with the display's white as the white: the state `white`, or else the brightest one, is 1, 1, 1.
     pub srgb_relative: Option<[f64; 3]>,

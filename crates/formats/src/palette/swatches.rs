@@ -19,20 +19,21 @@ use serde_json::json;
 /// Colours of an `.act` file.
 const ACT_COLOURS: usize = 256;
 
-/// Returns names and contents of all files with the colours of a display; their title has this name, the view, the light and what is white.
+/// Returns names and contents of all files with the colours of a display; their title has that of the scenario, the view, the light and what is
+/// white.
 pub fn files_of_palette(
-    name: &str,
+    title: &str,
     result: &PaletteResult,
     white: ScreenWhite,
 ) -> Vec<(&'static str, Vec<u8>)> {
     let (of, colours) = (light_and_view(result), &result.palette.colours);
     let (title, srgb): (String, Vec<_>) = match white {
         ScreenWhite::Perfect => (
-            format!("{name}, {of}, relative to a perfect white"),
+            format!("{title}, {of}, relative to a perfect white"),
             colours.iter().map(|one| one.srgb).collect(),
         ),
         ScreenWhite::Display => (
-            format!("{name}, {of}, relative to the white of the display"),
+            format!("{title}, {of}, relative to the white of the display"),
             colours.iter().map(|one| one.srgb_relative).collect(),
         ),
     };
@@ -51,6 +52,8 @@ pub fn light_and_view(result: &PaletteResult) -> String {
 
 /// Returns names and contents of all files with the colours `(state, bytes)`.
 pub fn palette_files(title: &str, colours: &[(&str, [u8; 3])]) -> Vec<(&'static str, Vec<u8>)> {
+    // In the files, it is one line.
+    let title = &title.split_whitespace().collect::<Vec<_>>().join(" ");
     vec![
         ("palette.gpl", gpl(title, colours).into_bytes()),
         ("palette.css", css(title, colours).into_bytes()),
