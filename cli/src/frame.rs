@@ -80,7 +80,7 @@ impl FrameRequest {
         let numbers = FrameNumbers {
             changed: changed.as_ref().map(|changed| ChangedPixels {
                 pixels: changed.iter().filter(|one| **one).count(),
-                rectangle: changed_rectangle(frame.size[0], changed),
+                rectangle: changed_rectangle(frame.size[0], packing, changed),
             }),
             ..FrameNumbers::new(&frame, (packing, mounting), codes.controller, &codes.of_states)
         };

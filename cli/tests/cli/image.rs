@@ -91,9 +91,20 @@ fn compromise_beats_the_frame_of_the_other_room() {
     assert!(here[1][0] < both[1][0] && there[1][1] < both[1][1], "{here:?} {there:?} {both:?}");
     let wrong = |list: &str| {
         let prepared_for = format!("image.prepared_for={list}");
-        stderr(&image(&scenario("six-ink"), &["--set", &prepared_for]))
+        let output = image(&scenario("six-ink"), &["--set", &prepared_for]);
+        assert_eq!(output.status.code(), Some(2), "{list}");
+        stderr(&output)
     };
     assert!(wrong("[]").contains("the list is empty"), "{}", wrong("[]"));
+    // A light that is there twice would weigh double: also under two names, as the scenario's own spectrum.
+    for (list, part) in [
+        ("[\"this\", \"this\"]", "`this` is in this list twice"),
+        ("[\"D65\", \"FL11\", \"D65\"]", "`D65` is in this list twice"),
+        ("[\"FL11\", \"this\", \"LED-B1\"]", "`LED-B1` is the same light as `this`"),
+    ] {
+        let said = wrong(list);
+        assert!(said.contains(part) && said.contains("remove one of them"), "{said}");
+    }
     assert!(wrong("[\"this\", \"moon\"]").contains("no illuminant named `moon`"));
 }
 
@@ -400,7 +411,12 @@ fn texts_and_patterns_are_pictures() {
             "a test pattern and a picture",
         ),
         (vec![], &[panel[1], panel[2], period[0], period[1]], "a slanted edge has no period"),
-        (vec![], &[panel[1], panel[2], "image.text=\"\u{4e00}\""], "no glyph"),
+        (
+            vec![],
+            &[panel[1], panel[2], "image.text=\"\u{4e00} a \u{4e01}\""],
+            "no glyphs for `\u{4e00}`, `\u{4e01}`",
+        ),
+        (vec![photograph], &["pattern.text=\"\u{4e00}\""], "no glyphs for `\u{4e00}`"),
         (vec![photograph], &["image.halftone=\"direct-binary-search\""], "add [display.matrix]"),
     ] {
         let output = run(&picture, sets);
@@ -410,6 +426,35 @@ fn texts_and_patterns_are_pictures() {
     let long = format!("image.text=\"{}\"", "word ".repeat(200));
     let cut = run(&[], &[&panel[..], &[&long]].concat());
     assert!(stderr(&cut).contains("are left out"), "{}", stderr(&cut));
+    let empty = run(&[], &[&panel[..], &["image.text=\" \"", "pattern.text=\"\""]].concat());
+    for part in ["image.text has no letters", "pattern.text has no letters"] {
+        assert!(stderr(&empty).contains(part), "{}", stderr(&empty));
+    }
+}
+
+/// What the panel cannot show of a pattern, here 96 x 64 pixels: a period below two pixels, and half of one that is wider than the panel.
+#[test]
+fn patterns_that_are_not_seen_are_warned_of() {
+    let panel = ["display.matrix.pitch_um=100", "display.matrix.pixels=[96,64]", "image.halftone=nearest"];
+    for (pattern, period_mm, part) in [
+        ("stripes", 0.19, Some("is below two pixels (0.2 mm)")),
+        ("stripes", 0.2, None),
+        ("checker", 0.19, Some("is below two pixels")),
+        ("siemens", 0.19, Some("of the star at its rim")),
+        ("stripes", 19.1, None),
+        ("stripes", 19.3, Some("wider than the panel (9.6 mm): all of it is black")),
+        ("checker", 19.3, Some("all of it is black")),
+        ("siemens", 19.3, None),
+    ] {
+        let sets = [format!("image.pattern={pattern}"), format!("image.period_mm={period_mm}")];
+        let sets = panel.into_iter().chain(sets.iter().map(String::as_str));
+        let sets: Vec<&str> = sets.flat_map(|one| ["--set", one]).chain(["--json"]).collect();
+        let output = image(&scenario("epaper"), &sets);
+        let said = stderr(&output);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.contains("image.period_mm ="), part.is_some(), "{pattern} {period_mm}: {said}");
+        assert!(said.contains(part.unwrap_or_default()), "{pattern} {period_mm}: {said}");
+    }
 }
 
 /// Below glass, pixels light each other: a uniform picture keeps its colour, the mean of white and black

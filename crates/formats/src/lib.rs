@@ -71,6 +71,7 @@ mod bsdf;
 mod comparison;
 mod cone;
 mod crosstalk;
+mod decoders;
 mod director;
 mod error;
 mod face_read;

@@ -1,10 +1,12 @@
 //! Drawings (SVG) as pixels: figures as PNG images, and drawings as pictures to show.
 //!
 //! Only the fonts of `papilio_imaging::text` are used, so that a drawing has the same pixels on every machine: all text is in Roboto, and
-//! characters that it lacks are omitted.
+//! characters that it lacks are omitted, of pictures with a warning.
 //!
 //! The rasteriser is compiled with the feature `svg`, which builds of the programs have by default.
 
+#[cfg(feature = "svg")]
+use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "svg")]
 use std::sync::{Arc, OnceLock};
 
@@ -56,7 +58,7 @@ pub const PNG_SCALE: f32 = 2.0;
 /// If `svg` is not SVG, or the image would have no pixels; without the feature `svg`, always.
 #[cfg(feature = "svg")]
 pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
-    let tree = tree(svg)?;
+    let (tree, _) = tree_and_letters(svg)?;
     let [width, height] = [tree.size().width(), tree.size().height()];
     let scale = scale.min(LARGEST / width.max(height));
     rendered(&tree, [width, height].map(|length| (scale * length).ceil() as u32), scale, Color::TRANSPARENT)
@@ -72,12 +74,6 @@ pub fn png(_: &str, _: f32) -> Result<Vec<u8>, PngError> {
 }
 
 #[cfg(feature = "svg")]
-fn tree(svg: &str) -> Result<usvg::Tree, usvg::Error> {
-    let options = usvg::Options { fontdb: fonts(), ..usvg::Options::default() };
-    usvg::Tree::from_str(svg, &options)
-}
-
-#[cfg(feature = "svg")]
 fn rendered(
     tree: &usvg::Tree,
     [width, height]: [u32; 2],
@@ -89,6 +85,41 @@ fn rendered(
     resvg::render(tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
     pixels.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
 }
+
+/// A drawing, and whether its text has letters that the fonts lack.
+#[cfg(feature = "svg")]
+fn tree_and_letters(svg: &str) -> Result<(usvg::Tree, bool), usvg::Error> {
+    let lacks = AtomicBool::new(false);
+    let usual = usvg::FontResolver::default_fallback_selector();
+    let select_fallback = |letter: char, used: &[fontdb::ID], fonts: &mut Arc<fontdb::Database>| {
+        let found = usual(letter, used, fonts);
+        lacks.fetch_or(found.is_none(), Ordering::Relaxed);
+        found
+    };
+    let font_resolver = usvg::FontResolver {
+        select_font: usvg::FontResolver::default_font_selector(),
+        select_fallback: Box::new(select_fallback),
+    };
+    let options = usvg::Options { fontdb: fonts(), font_resolver, ..usvg::Options::default() };
+    let tree = usvg::Tree::from_str(svg, &options)?;
+    drop(options);
+    Ok((tree, lacks.into_inner()))
+}
+
+/// Returns the letters of a drawing's texts that the fonts lack, each once, in their order; they are left out of the picture.
+#[cfg(feature = "svg")]
+fn letters_left_out(svg: &str) -> Vec<char> {
+    let options = usvg::roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let Ok(document) = usvg::roxmltree::Document::parse_with_options(svg, options) else { return Vec::new() };
+    let texts = document.descendants().filter(|node| node.is_text());
+    let shown = texts.filter(|node| node.ancestors().any(|above| above.has_tag_name((SVG, "text"))));
+    let all: String = shown.filter_map(|node| node.text()).collect();
+    papilio_imaging::text::Font::bundled().missing(&all)
+}
+
+/// The namespace of drawings.
+#[cfg(feature = "svg")]
+const SVG: &str = "http://www.w3.org/2000/svg";
 
 /// Returns the font database, which is filled once.
 #[cfg(feature = "svg")]
@@ -113,7 +144,7 @@ pub(crate) mod picture {
     use resvg::tiny_skia::Color;
     use resvg::usvg::{Group, Node};
 
-    use super::{rendered, tree};
+    use super::{letters_left_out, rendered, tree_and_letters};
     use crate::picture::{check_size, convert_to};
 
     /// A drawing that is shorter than this is rasterised at a multiple of its size, pixels.
@@ -131,9 +162,16 @@ pub(crate) mod picture {
             Diagnostic::new(format!("this SVG file cannot be drawn: {why}")).hint(convert_to("SVG", "PNG"))
         };
         let text = std::str::from_utf8(bytes).map_err(|error| wrong(error.to_string()))?;
-        let tree = tree(text).map_err(|error| wrong(error.to_string()))?;
+        let (tree, lacks_letters) = tree_and_letters(text).map_err(|error| wrong(error.to_string()))?;
+        let left_out = if lacks_letters { letters_left_out(text) } else { Vec::new() };
+        let letters = listed(&left_out);
         if tree.root().children().is_empty() {
-            return Err(wrong("it draws nothing".to_owned()));
+            let why = if left_out.is_empty() {
+                String::new()
+            } else {
+                format!(": Roboto lacks its letters {letters}")
+            };
+            return Err(wrong(format!("it draws nothing{why}")));
         }
         let size = [tree.size().width(), tree.size().height()];
         let longest = size[0].max(size[1]);
@@ -154,6 +192,11 @@ pub(crate) mod picture {
         if has("<text") && !has("Roboto") {
             warnings.push("text in this drawing is drawn in Roboto".to_owned());
         }
+        if !left_out.is_empty() {
+            warnings.push(format!(
+                "letters that Roboto lacks are left out: {letters} (draw them as paths in the program that created the drawing)"
+            ));
+        }
         if has("<image") {
             warnings.push("pictures in this drawing are left out".to_owned());
         }
@@ -161,6 +204,17 @@ pub(crate) mod picture {
             warnings.push("HTML in this drawing is left out".to_owned());
         }
         Ok(Warned { value, warnings })
+    }
+
+    /// Most letters that a warning names.
+    const MOST_LETTERS: usize = 20;
+
+    /// Letters in words.
+    fn listed(letters: &[char]) -> String {
+        let named: Vec<String> = letters.iter().take(MOST_LETTERS).map(char::to_string).collect();
+        let more = letters.len().saturating_sub(MOST_LETTERS);
+        let more = if more > 0 { format!(" and {more} others") } else { String::new() };
+        format!("{}{more}", named.join(" "))
     }
 
     /// Returns the memory of the layers that a group needs at a time, bytes.

@@ -37,10 +37,10 @@ pub enum GoniometryError {
     #[error("sample and reference have different {0}: measure both on one grid")]
     GridsDiffer(&'static str),
     /// The reference has no part for the scatter mode of a part of the sample.
-    #[error("the reference has no part for the scatter mode {0:?}")]
+    #[error("the reference has no part for {0}")]
     NoReference(crate::ScatterMode),
     /// A channel of the sample is missing in the reference.
-    #[error("the reference has no channel {0:?}")]
+    #[error("the reference has no channel {0}")]
     NoChannel(crate::Channel),
     /// Totals should be normalised to the instrument's TIS, but the file gives none.
     #[error("the file gives no total integrated scatter (TIS), or not for each rotation and incidence")]

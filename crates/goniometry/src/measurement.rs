@@ -81,6 +81,17 @@ pub enum Channel {
     Wavelength(f64),
 }
 
+impl fmt::Display for ScatterMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FrontReflection => "reflection at the front",
+            Self::FrontTransmission => "transmission from the front",
+            Self::BackTransmission => "transmission from the back",
+            Self::BackReflection => "reflection at the back",
+        })
+    }
+}
+
 impl fmt::Display for Channel {
     /// Writes the name, or the wavelength in nm.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -354,6 +354,14 @@ pub(crate) fn overlapping(path: &str, other: &str) -> Diagnostic {
         .hint("vary either the whole table or list, or values in it")
 }
 
+/// A text with characters that the bundled font lacks.
+pub(crate) fn no_glyphs(missing: &[char]) -> Diagnostic {
+    let named: Vec<String> = missing.iter().map(|one| format!("`{}`", one.escape_debug())).collect();
+    Diagnostic::new(format!("the bundled font, Roboto, has no glyphs for {}", named.join(", ")))
+        .expected("Latin, Greek and Cyrillic letters, digits and punctuation")
+        .hint("remove these characters, or write the text as paths of an SVG file for `image.file`")
+}
+
 /// An item of a list that it has before.
 pub(crate) fn listed_twice(item: &str) -> Diagnostic {
     Diagnostic::new(format!("{item} is in this list twice")).hint("remove one of them")

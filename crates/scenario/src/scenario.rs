@@ -253,10 +253,12 @@ impl Scenario {
             }
             DecidedFor::List(lights) => lights,
         };
-        if lights.iter().all(|light| light.value == THIS) && !lights.is_empty() {
+        if let [light] = lights
+            && light.value == THIS
+        {
             return Ok(image);
         }
-        let mut errors = Errors::default();
+        let (mut errors, mut names) = (Errors::default(), Vec::new());
         if lights.is_empty() {
             errors.push(*origin, Diagnostic::new("the list is empty").expected(LIGHTS));
         }
@@ -279,7 +281,7 @@ impl Scenario {
                     continue;
                 }
             };
-            image.settings.prepared_for.push(match changed {
+            let there = match changed {
                 None => scene.clone(),
                 Some((path, value)) => {
                     let value = Node::from_json(&value, origin);
@@ -289,7 +291,14 @@ impl Scenario {
                         Self::read(assemble(sources, &[change])?, self.library.clone(), sources.clone())?;
                     Scene { lighting: there.resolve()?.scene.lighting, ..scene.clone() }
                 }
-            });
+            };
+            let known = names.iter().zip(&image.settings.prepared_for);
+            if let Some((other, _)) = known.into_iter().find(|(_, other)| other.lighting == there.lighting) {
+                let same = Diagnostic::new(format!("`{name}` is the same light as `{other}`"));
+                errors.push(origin, same.expected("different lights").hint("remove one of them"));
+            }
+            names.push(name);
+            image.settings.prepared_for.push(there);
         }
         errors.finish(Some(image), &self.written.sources)
     }

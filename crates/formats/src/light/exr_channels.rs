@@ -63,6 +63,12 @@ impl ChannelSet {
             Self::Grey(name) => vec![name],
         }
     }
+
+    /// Name of the channel of opacity in its layer.
+    pub(super) fn opacity(&self) -> Option<String> {
+        let first = self.names().first().copied()?;
+        Some(first.rsplit_once('.').map_or("A".to_owned(), |(layer, _)| format!("{layer}.A")))
+    }
 }
 
 /// Returns the wavelength in the name of a channel, nm; only for emitted light, the first Stokes component.

@@ -35,11 +35,12 @@ pub(super) fn window(header: &Header, shape: Shape) -> Result<Window, Diagnostic
     shape.check_size(data.0, data.1).map(|()| Window::Data)
 }
 
-/// Moves the pixels to their places on the sphere; returns width and height of the map.
+/// Moves the pixels to their places on the sphere; returns width and height of the map. `rest` is what pixels outside the data window are, in
+/// words.
 pub(super) fn place(
     header: &Header,
     shape: Shape,
-    channels: &mut [MapChannel],
+    (channels, rest): (&mut [MapChannel], &str),
     notes: &mut Vec<String>,
 ) -> Result<(usize, usize), Diagnostic> {
     let (data, display) = (data_window(header), header.shared_attributes.display_window);
@@ -63,7 +64,7 @@ pub(super) fn place(
         }
         Window::Display if data == display => Ok((data.size.0, data.size.1)),
         Window::Display => {
-            let outside = moved(data, display, channels);
+            let outside = moved(data, display, (channels, rest));
             let is_map = if shape == Shape::Sphere { ", which is the whole sphere" } else { "" };
             notes.push(format!("the data window differs from the display window{is_map}: {outside}"));
             Ok((display.size.0, display.size.1))
@@ -73,7 +74,7 @@ pub(super) fn place(
 
 /// Moves pixels of the data window to the display window; returns in words what is missing and what is cut
 /// off.
-fn moved(data: IntegerBounds, display: IntegerBounds, channels: &mut [MapChannel]) -> &'static str {
+fn moved(data: IntegerBounds, display: IntegerBounds, (channels, rest): (&mut [MapChannel], &str)) -> String {
     let Vec2(width, height) = display.size;
     let off = |at: i32, from: i32| i64::from(at) - i64::from(from);
     let (right, down) = (off(data.position.0, display.position.0), off(data.position.1, display.position.1));
@@ -91,8 +92,8 @@ fn moved(data: IntegerBounds, display: IntegerBounds, channels: &mut [MapChannel
         channel.radiance = map;
     }
     match (covered == width * height, covered == data.size.area()) {
-        (false, true) => "the rest is dark",
-        (true, _) => "pixels outside are not used",
-        (false, false) => "the rest is dark, and pixels outside are not used",
+        (false, true) => format!("the rest is {rest}"),
+        (true, _) => "pixels outside are not used".to_owned(),
+        (false, false) => format!("the rest is {rest}, and pixels outside are not used"),
     }
 }

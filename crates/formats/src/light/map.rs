@@ -79,16 +79,22 @@ impl Shape {
     }
 }
 
-/// Reads a Radiance picture or an OpenEXR file, and the primaries that it states, of which X, Y and Z are one kind; `None`
-/// if it is neither.
-pub(crate) fn read_linear(
-    bytes: &[u8],
-    shape: Shape,
-) -> Option<Result<(LightMap, Option<Primaries>), Diagnostic>> {
+/// Linear light of a file.
+pub(crate) struct LinearLight {
+    pub(crate) map: LightMap,
+    /// The primaries that it states, of which X, Y and Z are one kind.
+    pub(crate) primaries: Option<Primaries>,
+    /// Opacity of each pixel, by which its light is multiplied already (OpenEXR); only of a picture.
+    pub(crate) opacity: Option<Vec<f32>>,
+}
+
+/// Reads a Radiance picture or an OpenEXR file; `None` if it is neither.
+pub(crate) fn read_linear(bytes: &[u8], shape: Shape) -> Option<Result<LinearLight, Diagnostic>> {
     if bytes.starts_with(&openexr::MAGIC) {
         Some(openexr::read(bytes, shape))
     } else if bytes.starts_with(b"#?") {
-        Some(radiance::read(bytes, shape))
+        let read = radiance::read(bytes, shape);
+        Some(read.map(|(map, primaries)| LinearLight { map, primaries, opacity: None }))
     } else {
         None
     }
@@ -96,8 +102,8 @@ pub(crate) fn read_linear(
 
 fn of_any_format(file: &DataFile) -> Result<LightMap, FormatError> {
     let other = || Err(picture_format(&file.bytes).map_or_else(not_a_map, other_format));
-    let map = read_linear(&file.bytes, Shape::Sphere).unwrap_or_else(other);
-    let converted = map.and_then(|(map, primaries)| {
+    let light = read_linear(&file.bytes, Shape::Sphere).unwrap_or_else(other);
+    let converted = light.and_then(|LinearLight { map, primaries, .. }| {
         let mut map = checked(map)?;
         if let Some(primaries) = primaries {
             primaries::to_srgb(&mut map, primaries)?;

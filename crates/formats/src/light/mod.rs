@@ -16,7 +16,7 @@ mod radiance;
 
 pub use luminaire::{IntensityEdge, Luminaire, is_luminaire, read_luminaire};
 pub use map::{LightMap, MapChannel, MapColour, read_light_map};
-pub(crate) use map::{Shape, read_linear};
+pub(crate) use map::{LinearLight, Shape, read_linear};
 pub use opening::{Opening, OpeningShape};
-pub(crate) use primaries::{Primaries, XYZ};
+pub(crate) use primaries::XYZ;
 pub use profile::read_profile;

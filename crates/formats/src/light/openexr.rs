@@ -17,7 +17,7 @@ use papilio_diagnostics::Diagnostic;
 
 use super::exr_channels::{ChannelSet, channels, chosen, values};
 use super::exr_window::{place, window};
-use super::map::{LightMap, MapChannel, Shape};
+use super::map::{LightMap, LinearLight, MapChannel, MapColour, Shape};
 use super::primaries::{PICTURE_LM_PER_W, Primaries, XYZ};
 
 pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -25,7 +25,7 @@ pub(super) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Largest number of values of all channels.
 const MOST_VALUES: usize = 1 << 26;
 
-pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<(LightMap, Option<Primaries>), Diagnostic> {
+pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<LinearLight, Diagnostic> {
     let refused = |error: exr::error::Error| unreadable(&error.to_string());
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(refused)?;
     let headers = &meta.headers;
@@ -36,19 +36,28 @@ pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<(LightMap, Option<Prima
     let image = reader.all_layers().all_attributes().from_buffered(Cursor::new(bytes)).map_err(refused)?;
     let list =
         image.layer_data.into_iter().nth(part).map(|layer| layer.channel_data.list).unwrap_or_default();
-    unused(headers, part, &set, &mut notes);
+    let opacity = set.opacity().filter(|_| shape == Shape::Picture);
+    let opacity = opacity.filter(|name| list.iter().any(|channel| channel.name == *name.as_str()));
+    unused(headers, part, (&set, opacity.as_deref()), &mut notes);
     let sizes = |channel: &AnyChannel<FlatSamples>| channel.sample_data.len() == header.layer_size.area();
     if !list.iter().all(sizes) {
         return Err(other_channels(headers));
     }
-    let named: Vec<(String, Vec<f32>)> =
+    let mut named: Vec<(String, Vec<f32>)> =
         list.into_iter().map(|channel| (channel.name.to_string(), values(&channel.sample_data))).collect();
+    let opacity = opacity.and_then(|name| named.iter_mut().find(|(known, _)| *known == name));
+    let opacity =
+        opacity.map(|(_, values)| MapChannel { colour: MapColour::Grey, radiance: std::mem::take(values) });
     let primaries = primaries(header, &set, &mut notes);
     let mut channels = channels(named, &set, primaries).ok_or_else(|| other_channels(headers))?;
-    let (width, height) = place(header, shape, &mut channels, &mut notes)?;
+    let has_opacity = opacity.is_some();
+    channels.extend(opacity);
+    let rest = if has_opacity { "transparent" } else { "dark" };
+    let (width, height) = place(header, shape, (&mut channels, rest), &mut notes)?;
+    let opacity = if has_opacity { channels.pop().map(|channel| channel.radiance) } else { None };
     meaning(header, shape, &set, &mut channels, &mut notes);
     let primaries = if matches!(set, ChannelSet::Xyz(_)) { Some(XYZ) } else { primaries };
-    Ok((LightMap { width, height, channels, notes }, primaries))
+    Ok(LinearLight { map: LightMap { width, height, channels, notes }, primaries, opacity })
 }
 
 /// Returns the first part with a map, and its channels. Sizes are checked before memory is allocated.
@@ -95,10 +104,16 @@ fn other_channels(headers: &[Header]) -> Diagnostic {
 }
 
 /// Notes parts and channels that are not used.
-fn unused(headers: &[Header], part: usize, set: &ChannelSet, notes: &mut Vec<String>) {
+fn unused(
+    headers: &[Header],
+    part: usize,
+    (set, opacity): (&ChannelSet, Option<&str>),
+    notes: &mut Vec<String>,
+) {
     let used = set.names();
     let left = headers[part].channels.list.iter().map(|channel| channel.name.to_string());
-    let left: Vec<String> = left.filter(|name| !used.contains(&&**name)).collect();
+    let left: Vec<String> =
+        left.filter(|name| !used.contains(&&**name) && opacity != Some(&**name)).collect();
     if !left.is_empty() {
         notes.push(format!("its channels {} are not used", left.join(", ")));
     }

@@ -58,7 +58,8 @@ pub struct ChangedPixels {
     /// Their number.
     pub pixels: usize,
     /// The rectangle that contains them: column and row of its upper left pixel, its number of columns and rows.
-    /// Columns are extended to multiples of 8, whole bytes in each layout. Null if no pixel changed.
+    /// Columns are extended to multiples of 8, as far as the bytes of a row reach: with 1 bit for each pixel and in planes, also beyond the last
+    /// column of the frame, into the bits of its last byte that remain. Null if no pixel changed.
     pub rectangle: Option<[usize; 4]>,
 }
 
@@ -66,13 +67,15 @@ pub struct ChangedPixels {
 const ALIGNED: usize = 8;
 
 /// The rectangle that contains the pixels that are true, in rows of `columns`: column, row, number of columns
-/// and of rows. Its columns are extended to multiples of 8, and end with the row.
-pub fn changed_rectangle(columns: usize, changed: &[bool]) -> Option<[usize; 4]> {
+/// and of rows. Its columns are extended to multiples of 8, and end with the bytes of the row: it consists of whole bytes.
+pub fn changed_rectangle(columns: usize, packing: Packing, changed: &[bool]) -> Option<[usize; 4]> {
     let places = || (0..changed.len()).filter(|at| changed[*at]);
     let (top, bottom) = (places().next()? / columns, places().next_back()? / columns);
     let (left, right) =
         places().fold((columns, 0), |(left, right), at| (left.min(at % columns), right.max(at % columns)));
     let left = left - left % ALIGNED;
-    let end = (right + 1).next_multiple_of(ALIGNED).min(columns);
+    let bits = packing.bits_in_row();
+    let in_bytes = row_bytes(columns, bits) * 8 / usize::from(bits);
+    let end = (right + 1).next_multiple_of(ALIGNED).min(in_bytes);
     Some([left, top, end - left, bottom + 1 - top])
 }

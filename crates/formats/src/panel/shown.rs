@@ -100,5 +100,5 @@ fn no_states(what: &str) -> Diagnostic {
 }
 
 fn damaged(error: DecodingError) -> Diagnostic {
-    no_states(&format!("this PNG file cannot be decoded: {error}"))
+    no_states(&format!("this PNG file cannot be decoded: {}", crate::decoders::of_png(&error)))
 }

@@ -9,6 +9,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::colour_space::RgbSpace;
 use super::source::{ColourEncoding, Samples, SourcePicture};
 use super::{check_size, cut_off, exif, icc, unsupported};
+use crate::decoders;
 
 /// First bytes of the file.
 pub(super) const MAGIC: [u8; 3] = [0xff, 0xd8, 0xff];
@@ -25,7 +26,7 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
         .set_strict_mode(false)
         .set_use_unsafe(false);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let refused = |error: zune_jpeg::errors::DecodeErrors| damaged(&error.to_string());
+    let refused = |error: zune_jpeg::errors::DecodeErrors| damaged(&decoders::of_jpeg(&error));
     decoder.decode_headers().map_err(refused)?;
     let info = decoder.info().ok_or_else(|| damaged("it has no header"))?;
     let (columns, rows) = (usize::from(info.width), usize::from(info.height));

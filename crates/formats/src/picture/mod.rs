@@ -41,7 +41,7 @@ pub const MOST_PICTURE_PIXELS: usize = 64_000_000;
 ///
 /// The colour space is that of the file: for PNG the first of its chunks cICP, iCCP, sRGB, gAMA with cHRM;
 /// for JPEG its ICC profile. A file that states none is in `untagged`, usually [`RgbSpace::srgb`].
-/// Transparent pixels are composited over white, in linear light; the orientation of EXIF is applied; of an
+/// Transparent pixels of all formats are composited over white, in linear light (within a drawing, as browsers do); the orientation of EXIF is applied; of an
 /// animation the first picture is read. Warnings report all of that.
 ///
 /// # Errors
@@ -57,7 +57,7 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     } else if file.bytes.starts_with(&jpeg::MAGIC) {
         jpeg::read(&file.bytes, untagged)
     } else if let Some(linear) = read_linear(&file.bytes, Shape::Picture) {
-        linear.and_then(|(light, primaries)| scene::developed(light, primaries))
+        linear.and_then(scene::developed)
     } else {
         #[cfg(feature = "svg")]
         if picture_format(&file.bytes) == Some("SVG") {
@@ -75,6 +75,9 @@ fn of_any_format(file: &DataFile, untagged: &RgbSpace) -> Result<Warned<SourcePi
     };
     picture.map_err(|problem| FormatError::whole(&file.name, problem))
 }
+
+/// The warning of a picture with transparent pixels.
+const TRANSPARENT: &str = "transparent pixels are composited over white, in linear light";
 
 /// Reads a drawing.
 #[cfg(feature = "svg")]

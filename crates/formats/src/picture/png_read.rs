@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use flate2::Crc;
 use papilio_diagnostics::{Diagnostic, Warned};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Info, Limits, Transformations};
 
@@ -20,6 +21,7 @@ const MOST_COMPRESSION: usize = 1032;
 
 /// Reads a PNG file.
 pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePicture>, Diagnostic> {
+    let mut warnings = checked_chunks(bytes)?;
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_CHUNKS });
     decoder.set_ignore_text_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
@@ -38,7 +40,6 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
         ColorType::Rgb | ColorType::Indexed => 3,
         ColorType::Rgba => 4,
     };
-    let mut warnings = Vec::new();
     let encoding = encoding(reader.info(), channels > 2, untagged, &mut warnings)?;
     let bytes_each = if depth == BitDepth::Sixteen { 2 } else { 1 };
     let mut data = vec![0; columns * rows * channels * bytes_each];
@@ -64,7 +65,7 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
     };
     let picture = SourcePicture::new([columns, rows], channels, samples, &encoding)?;
     if picture.is_transparent() {
-        warnings.push("transparent pixels are composited over white, in linear light".to_owned());
+        warnings.push(super::TRANSPARENT.to_owned());
     }
     Ok(Warned { value: picture.upright(orientation), warnings })
 }
@@ -72,13 +73,52 @@ pub(super) fn read(bytes: &[u8], untagged: &RgbSpace) -> Result<Warned<SourcePic
 fn refused(error: DecodingError) -> Diagnostic {
     match error {
         DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => cut_off("PNG"),
-        DecodingError::LimitsExceeded => damaged("a chunk needs more than 64 MiB of memory"),
-        error => damaged(&error.to_string()),
+        error => damaged(&crate::decoders::of_png(&error)),
     }
 }
 
 fn damaged(message: &str) -> Diagnostic {
     super::damaged("PNG", message)
+}
+
+/// Chunks that change the colours of a picture or its orientation, and that the decoder ignores where their checksum is wrong.
+const NOT_CRITICAL: [&[u8; 4]; 7] = [b"cICP", b"iCCP", b"sRGB", b"gAMA", b"cHRM", b"tRNS", b"eXIf"];
+
+/// Returns warnings of chunks with a wrong checksum, which are ignored.
+///
+/// # Errors
+/// If cICP states matrix coefficients, of which PNG permits only 0.
+fn checked_chunks(bytes: &[u8]) -> Result<Vec<String>, Diagnostic> {
+    let mut warnings = Vec::new();
+    let mut rest = bytes.get(MAGIC.len()..).unwrap_or_default();
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let length = u32::from_be_bytes(*length) as usize;
+        let Some((chunk, after)) = length.checked_add(4).and_then(|length| after.split_at_checked(length))
+        else {
+            break;
+        };
+        let Some((stated, after)) = after.split_first_chunk::<4>() else { break };
+        rest = after;
+        let Some((name, data)) = chunk.split_first_chunk::<4>() else { break };
+        if !NOT_CRITICAL.contains(&name) {
+            continue;
+        }
+        let mut checksum = Crc::new();
+        checksum.update(chunk);
+        if checksum.sum().to_be_bytes() != *stated {
+            let name = String::from_utf8_lossy(name);
+            warnings.push(format!("the checksum of its chunk {name} is wrong: the chunk is ignored"));
+        } else if let (b"cICP", [primaries, transfer, matrix, range]) = (name, data)
+            && *matrix != 0
+        {
+            let what = format!("this picture's encoding (cICP {primaries} {transfer} {matrix} {range})");
+            let expected = "the matrix coefficients 0: the pixels of PNG files are red, green and blue";
+            return Err(
+                unsupported(&what, expected).hint("save the picture as PNG with an ICC profile or in sRGB")
+            );
+        }
+    }
+    Ok(warnings)
 }
 
 /// The colour space: the first one of those that a file may state, in the order of the recommendation.

@@ -8,13 +8,16 @@
 //!
 //! where the mean is geometric and `L_w` is the luminance that only one pixel of a thousand exceeds, 1 or more. Red, green and
 //! blue keep their ratios. `image.exposure` changes the result in stops.
+//!
+//! Opacity (OpenEXR's channel A, by which light is multiplied already) leaves the luminances in the curve as they are without it; after the curve, the
+//! picture lies on white, as those of other formats do.
 
 use papilio_diagnostics::{Diagnostic, Warned};
 
-use super::colour_space::RgbSpace;
+use super::colour_space::{RgbSpace, d65};
 use super::source::SourcePicture;
 use super::transfer::Transfer;
-use crate::light::{LightMap, MapColour, Primaries, XYZ};
+use crate::light::{LightMap, LinearLight, MapColour, XYZ};
 
 /// Luminance of the geometric mean of a scene (Reinhard et al.).
 const KEY: f64 = 0.18;
@@ -26,11 +29,9 @@ const HIGHLIGHTS: f64 = 1e-3;
 ///
 /// # Errors
 /// If its channels are wavelengths, a value is not finite, or the primaries are on a line.
-pub(super) fn developed(
-    light: LightMap,
-    primaries: Option<Primaries>,
-) -> Result<Warned<SourcePicture>, Diagnostic> {
-    let LightMap { width, height, channels, notes: mut warnings } = light;
+pub(super) fn developed(light: LinearLight) -> Result<Warned<SourcePicture>, Diagnostic> {
+    let LinearLight { map, primaries, opacity } = light;
+    let LightMap { width, height, channels, notes: mut warnings } = map;
     if channels.iter().any(|channel| matches!(channel.colour, MapColour::Wavelength(_))) {
         return Err(Diagnostic::new("this file has the light of wavelengths")
             .expected("red, green and blue, or X, Y and Z, or luminance")
@@ -56,7 +57,9 @@ pub(super) fn developed(
     let value =
         |k: usize, at: usize| channels.get(k).or(channels.first()).map_or(0.0, |one| one.radiance[at]);
     let mut pixels: Vec<[f32; 3]> = (0..width * height).map(|at| [0, 1, 2].map(|k| value(k, at))).collect();
-    if let Some(at) = pixels.iter().position(|pixel| pixel.iter().any(|value| !value.is_finite())) {
+    let opaque = |at: usize| opacity.as_ref().map_or(1.0, |all| f64::from(all[at]).clamp(0.0, 1.0));
+    let is_wrong = |at: &usize| !pixels[*at].iter().all(|value| value.is_finite()) || opaque(*at).is_nan();
+    if let Some(at) = (0..pixels.len()).find(is_wrong) {
         let place =
             format!("pixel {} in row {} has a value that is not finite", at % width + 1, at / width + 1);
         return Err(Diagnostic::new(place).expected("light of 0 or more"));
@@ -64,9 +67,14 @@ pub(super) fn developed(
     let luminance = |pixel: &[f32; 3]| -> f64 {
         pixel.iter().zip(xyz_from_pixel[1]).map(|(value, weight)| f64::from(*value) * weight).sum()
     };
-    if let Some(curve) = Curve::of(pixels.iter().map(luminance)) {
-        for pixel in &mut pixels {
-            let factor = curve.factor(luminance(pixel));
+    // Of the light without its opacity; that of a pixel without any is added to what is behind it.
+    let straight = |luminance: f64, opaque: f64| if opaque > 0.0 { luminance / opaque } else { luminance };
+    let is_bright = |at: usize| luminance(&pixels[at]) > opaque(at) + ROUNDING;
+    let luminances = || (0..pixels.len()).map(|at| straight(luminance(&pixels[at]), opaque(at)));
+    let curve = if (0..pixels.len()).any(is_bright) { Curve::of(luminances()) } else { None };
+    if let Some(curve) = curve {
+        for (at, pixel) in pixels.iter_mut().enumerate() {
+            let factor = curve.factor(straight(luminance(pixel), opaque(at)));
             pixel.iter_mut().for_each(|value| *value = (f64::from(*value) * factor) as f32);
         }
         warnings.push(format!(
@@ -75,6 +83,16 @@ pub(super) fn developed(
             KEY / curve.scale,
             curve.white / curve.scale,
         ));
+    }
+    if (0..pixels.len()).any(|at| opaque(at) < 1.0) {
+        let white = if primaries == Some(XYZ) { d65() } else { [1.0; 3] };
+        for (at, pixel) in pixels.iter_mut().enumerate() {
+            let behind = 1.0 - opaque(at);
+            for (value, white) in pixel.iter_mut().zip(white) {
+                *value += (behind * white) as f32;
+            }
+        }
+        warnings.push(super::TRANSPARENT.to_owned());
     }
     Ok(Warned { value: SourcePicture::linear([width, height], pixels, xyz_from_pixel, space), warnings })
 }
@@ -90,10 +108,10 @@ struct Curve {
 }
 
 impl Curve {
-    /// `None` if no luminance exceeds 1.
+    /// `None` without light.
     fn of(luminances: impl Iterator<Item = f64>) -> Option<Self> {
         let mut lit: Vec<f64> = luminances.filter(|one| *one > 0.0).collect();
-        if !lit.iter().any(|one| *one > 1.0 + ROUNDING) {
+        if lit.is_empty() {
             return None;
         }
         let scale = KEY / (lit.iter().map(|one| one.ln()).sum::<f64>() / lit.len() as f64).exp();

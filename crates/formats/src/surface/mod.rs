@@ -33,6 +33,7 @@ use std::io::Cursor;
 use papilio_diagnostics::Diagnostic;
 
 use crate::DataFile;
+use crate::decoders;
 use crate::error::FormatError;
 
 pub use density::read_density;
@@ -171,7 +172,7 @@ fn wrong_size(columns: usize, rows: usize) -> Diagnostic {
 fn of_png(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
     let wrong = |what: String| damaged("PNG", what);
     let mut reader =
-        png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| wrong(error.to_string()))?;
+        png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| wrong(decoders::of_png(&error)))?;
     let info = reader.info();
     let (columns, rows) = (info.width as usize, info.height as usize);
     let count = sized(columns, rows)?;
@@ -181,7 +182,7 @@ fn of_png(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
         ));
     }
     let mut data = vec![0; 2 * count];
-    reader.next_frame(&mut data).map_err(|error| wrong(error.to_string()))?;
+    reader.next_frame(&mut data).map_err(|error| wrong(decoders::of_png(&error)))?;
     let numbers = data.as_chunks().0.iter().map(|b| f64::from(u16::from_be_bytes(*b))).collect();
     let mut map = HeightFile::plain(columns, numbers).upside_down();
     map.is_picture = true;

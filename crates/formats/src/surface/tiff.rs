@@ -9,6 +9,7 @@ use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
 use super::{HeightFile, damaged, sized};
+use crate::decoders;
 
 /// First bytes of the files: little-endian and big-endian.
 pub(super) const MAGICS: [&[u8]; 2] = [b"II*\0", b"MM\0*"];
@@ -19,15 +20,20 @@ const PIXEL_SCALE: u16 = 33550;
 
 /// Reads the first picture of a file.
 pub(super) fn read(bytes: &[u8]) -> Result<HeightFile, Diagnostic> {
-    let wrong = |error: tiff::TiffError| damaged("TIFF", error.to_string());
+    let wrong = |error: tiff::TiffError| damaged("TIFF", decoders::of_tiff(&error));
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(wrong)?;
     let (columns, rows) = decoder.dimensions().map_err(wrong)?;
     let (columns, rows) = (columns as usize, rows as usize);
     let count = sized(columns, rows)?;
     let colours = decoder.colortype().map_err(wrong)?;
     if !matches!(colours, ColorType::Gray(16 | 32 | 64)) {
+        let found = match colours {
+            ColorType::Gray(bits) => format!("a grey picture of {bits} bits"),
+            ColorType::GrayA(_) => "a grey picture with opacity".to_owned(),
+            _ => "a picture in colour".to_owned(),
+        };
         let what = format!(
-            "it is {colours:?} (expected a grey picture of 16 or 32 bits, whose steps are fine enough for heights)"
+            "it is {found} (expected a grey picture of 16 or 32 bits, whose steps are fine enough for heights)"
         );
         return Err(damaged("TIFF", what));
     }

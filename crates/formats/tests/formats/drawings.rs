@@ -53,6 +53,21 @@ fn text_is_drawn_whatever_its_font_and_what_is_left_out_is_said() {
     assert!(warnings.contains("pictures in this drawing") && warnings.contains("HTML in"), "{warnings}");
 }
 
+/// Letters that Roboto lacks are named, each once; those of other elements, and those that it has, are not.
+#[test]
+fn letters_that_are_left_out_are_named() {
+    let square = "<title>\u{6f22}</title><rect width=\"9\" height=\"9\"/>";
+    let drawn =
+        |text: &str| read(&format!("{HEAD}{square}<text x=\"20\" y=\"90\">{text}</text></svg>")).unwrap().2;
+    let warnings = drawn("\u{417}\u{434} \u{3a9} \u{4f60}\u{597d}, \u{4f60}<tspan>\u{1f600}!</tspan>");
+    assert!(warnings.contains("left out: \u{4f60} \u{597d} \u{1f600} (draw them as paths"), "{warnings}");
+    let whole = drawn("e\u{301} \u{e9} \u{417} \u{3a9}\t\n");
+    assert!(!whole.contains("left out"), "{whole}");
+    let nothing = read(&format!("{HEAD}<text x=\"20\" y=\"90\">\u{4f60}</text></svg>"));
+    let said = nothing.map_or_else(|error| error, |(.., warnings)| warnings);
+    assert!(said.contains('\u{4f60}') && said.contains("Roboto"), "{said}");
+}
+
 #[test]
 fn drawing_that_needs_too_much_is_refused() {
     let huge = HEAD.replace("800", "80000").replace("480", "48000");

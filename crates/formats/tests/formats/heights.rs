@@ -166,8 +166,10 @@ fn wrong_x3p_files_are_refused() {
                 *byte = dice.bits() as u8;
             }
         }
-        if let Ok(map) = read(bytes) {
-            assert!(map.numbers.iter().all(|number| number.is_finite()));
+        match read(bytes) {
+            Ok(map) => assert!(map.numbers.iter().all(|number| number.is_finite())),
+            // Messages are sentences, without structures of the decoder.
+            Err(error) => assert!(!error.contains(['{', '}', '[']), "{error}"),
         }
     }
 }
@@ -231,7 +233,11 @@ fn tiff_maps_are_read() {
             map.warnings
         );
     }
-    assert!(read(written(false, 8)).unwrap_err().contains("expected a grey picture of 16 or 32 bits"));
+    let wrong = read(written(false, 8)).unwrap_err();
+    assert!(
+        wrong.contains("it is a grey picture of 8 bits (expected a grey picture of 16 or 32 bits"),
+        "{wrong}"
+    );
     let whole = written(false, 16);
     let mut dice = Dice::new(0x71f, 0);
     for _ in 0..2000 {

@@ -205,26 +205,39 @@ fn c_header_has_the_bytes_of_the_frame() {
     assert!(!text.lines().any(|line| line.ends_with('\\')), "{text}");
 }
 
-/// The rectangle is the smallest with columns at multiples of 8 that has all pixels, by trying all of them.
+/// The rectangle is the smallest that has all pixels and consists of whole bytes of each row, from a multiple of 8 columns to another one or to the end
+/// of the row's bytes; by trying all of them. With 1 bit and in planes both are multiples of 8.
 #[test]
 fn changed_rectangle_is_the_smallest_in_whole_bytes() {
     let (columns, rows) = (21, 4);
-    assert_eq!(changed_rectangle(columns, &vec![false; columns * rows]), None);
-    for seed in 0..40 {
-        let changed: Vec<bool> = numbers(columns * rows, 30, seed).iter().map(|value| *value == 0).collect();
-        let places: Vec<[usize; 2]> =
-            (0..changed.len()).filter(|at| changed[*at]).map(|at| [at % columns, at / columns]).collect();
-        let has_all = |[x, y, width, height]: [usize; 4]| {
-            places.iter().all(|[px, py]| (x..x + width).contains(px) && (y..y + height).contains(py))
-        };
-        let ends = [8, 16, 21];
-        let all = [0, 8, 16].into_iter().flat_map(|x| {
-            ends.into_iter().filter(move |end| *end > x).flat_map(move |end| {
-                (0..rows).flat_map(move |y| (1..=rows - y).map(move |height| [x, y, end - x, height]))
-            })
-        });
-        let smallest = all.filter(|one| has_all(*one)).min_by_key(|[.., width, height]| width * height);
-        assert_eq!(changed_rectangle(columns, &changed), smallest.filter(|_| !places.is_empty()), "{seed}");
+    for (packing, bits, end) in [
+        (Packing::Bits(1), 1, 24),
+        (Packing::Planes(2), 1, 24),
+        (Packing::Bits(2), 2, 24),
+        (Packing::Bits(4), 4, 22),
+        (Packing::Bits(8), 8, 21),
+    ] {
+        assert_eq!(changed_rectangle(columns, packing, &vec![false; columns * rows]), None);
+        for seed in 0..40 {
+            let changed: Vec<bool> =
+                numbers(columns * rows, 30, seed).iter().map(|value| *value == 0).collect();
+            let places: Vec<[usize; 2]> =
+                (0..changed.len()).filter(|at| changed[*at]).map(|at| [at % columns, at / columns]).collect();
+            let has_all = |[x, y, width, height]: [usize; 4]| {
+                places.iter().all(|[px, py]| (x..x + width).contains(px) && (y..y + height).contains(py))
+            };
+            let all = [0, 8, 16].into_iter().flat_map(|x| {
+                [8, 16, end].into_iter().filter(move |end| *end > x).flat_map(move |end| {
+                    (0..rows).flat_map(move |y| (1..=rows - y).map(move |height| [x, y, end - x, height]))
+                })
+            });
+            let smallest = all.filter(|one| has_all(*one)).min_by_key(|[.., width, height]| width * height);
+            let found = changed_rectangle(columns, packing, &changed);
+            assert_eq!(found, smallest.filter(|_| !places.is_empty()), "{packing:?} {seed}");
+            if let Some([x, _, width, _]) = found {
+                assert_eq!((x * bits % 8, width * bits % 8), (0, 0), "{packing:?} {seed}");
+            }
+        }
     }
 }
 

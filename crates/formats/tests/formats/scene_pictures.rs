@@ -2,6 +2,8 @@
 
 use papilio_formats::{DataFile, RgbSpace, SourcePicture, Warned, read_picture, write_scene_exr};
 
+use crate::light_maps::exr_of;
+
 fn read(bytes: &[u8]) -> Result<Warned<SourcePicture>, String> {
     let file = DataFile { name: "scene".into(), bytes: bytes.to_vec() };
     read_picture(&file, &RgbSpace::srgb()).map_err(|error| error.to_string())
@@ -74,6 +76,46 @@ fn pictures_with_a_white_are_kept() {
     assert!(value.row(1)[1][0] < value.row(1)[1][1]);
     let wrong = read(&exr(2, &[[0.5; 3], [f32::NAN, 0.0, 0.0]])).unwrap_err();
     assert!(wrong.contains("pixel 2 in row 1 has a value that is not finite"), "{wrong}");
+}
+
+/// Opacity, by which the light of OpenEXR is multiplied already: the picture lies on white, as PNG does. Of red with a half, red's half and that of
+/// white; in X, Y, Z and in grey, the same rule. Light of a scene passes the curve as if it were opaque.
+#[test]
+fn transparent_pixels_of_openexr_lie_on_white() {
+    let opacity = |at: usize| [1.0, 0.5, 0.0, 1.0][at % 4];
+    let red = |at: usize| opacity(at);
+    let dark = |_: usize| 0.0;
+    let found = |channels: &[(&str, &dyn Fn(usize) -> f32)]| {
+        let Warned { value, warnings } = read(&exr_of(4, 1, channels)).unwrap();
+        (value.row(0), warnings)
+    };
+    let (seen, warnings) = found(&[("A", &opacity), ("R", &red), ("G", &dark), ("B", &dark)]);
+    assert_eq!(warnings, ["transparent pixels are composited over white, in linear light"]);
+    let [red_xyz, white] = [[0.4124, 0.2126, 0.0193], [0.9505, 1.0, 1.0890]];
+    for (at, seen) in seen.iter().enumerate() {
+        let opaque = f64::from(opacity(at));
+        (0..3).for_each(|k| near(seen[k], opaque * red_xyz[k] + (1.0 - opaque) * white[k], 1e-3));
+    }
+    let grey = |at: usize| 0.3 * opacity(at);
+    let expected = [0.3, 0.65, 1.0, 0.3];
+    let (seen, _) = found(&[("A", &opacity), ("Y", &grey)]);
+    expected.iter().zip(&seen).for_each(|(expected, seen)| near(seen[1], *expected, 1e-6));
+    let (seen, _) = found(&[("A", &opacity), ("X", &grey), ("Y", &grey), ("Z", &grey)]);
+    near(seen[2][2], 1.0891, 1e-3);
+    expected.iter().zip(&seen).for_each(|(expected, seen)| near(seen[1], *expected, 1e-6));
+    // 4 and 1/4, of which half is covered: 0.72 and 0.045 on the curve.
+    let scene = |at: usize| if at % 2 == 0 { 4.0 } else { 0.25 * 0.5 };
+    let cover = |at: usize| if at % 2 == 0 { 1.0 } else { 0.5 };
+    let (seen, warnings) = found(&[("A", &cover), ("Y", &scene)]);
+    near(seen[0][1], 0.72, 1e-6);
+    near(seen[1][1], 0.5 * 0.045 + 0.5, 1e-6);
+    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    // Opaque pixels: no warning, and another layer's opacity is not that of the picture.
+    let (_, warnings) = found(&[("A", &|_| 1.0), ("Y", &grey)]);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let (seen, warnings) = found(&[("matte.A", &opacity), ("Y", &grey)]);
+    near(seen[2][1], 0.0, 1e-6);
+    assert!(warnings[0].contains("matte.A are not used"), "{warnings:?}");
 }
 
 /// A Radiance picture of any size, here 3 x 1: mantissas and exponent by Ward's rule, its EXPOSURE divided out.

@@ -99,6 +99,19 @@ impl Font {
         Ok((count, areas.coverage()))
     }
 
+    /// Returns the characters of a text for which the font has no glyph, each once, in their order; spaces and control characters do not count.
+    pub fn missing(&self, text: &str) -> Vec<char> {
+        let Ok(font) = self.reader() else { return Vec::new() };
+        let charmap = font.charmap();
+        let mut missing = Vec::new();
+        for one in text.chars().filter(|one| !one.is_whitespace() && !one.is_control()) {
+            if charmap.map(one).is_none() && !missing.contains(&one) {
+                missing.push(one);
+            }
+        }
+        missing
+    }
+
     /// Adds the outlines of glyphs, one after the other at their advances, to the areas.
     pub(super) fn draw(
         font: &FontRef<'_>,

@@ -2,6 +2,7 @@
 
 use papilio_display::scene::Scene;
 use papilio_display::spatial::Patterns;
+use papilio_imaging::text::Font;
 
 use super::Resolver;
 use crate::describe::File;
@@ -17,12 +18,21 @@ impl Resolver<'_> {
                 self.err(state, mistake::no_such_state(&state.0, &known));
             }
         }
+        let text = &asked.text.0;
+        let missing = Font::bundled().missing(text);
+        if !missing.is_empty() {
+            self.err(&asked.text, mistake::no_glyphs(&missing));
+        }
+        if text.trim().is_empty() {
+            self.warnings
+                .push("pattern.text has no letters: the contrast of text is not computed".to_owned());
+        }
         Patterns {
             kinds: asked.kind.iter().map(|kind| kind.0).collect(),
             on: asked.on.0.clone(),
             off: asked.off.0.clone(),
             period_mm: asked.period_mm.iter().map(|period| period.0).collect(),
-            text: asked.text.0.clone(),
+            text: text.clone(),
         }
     }
 }

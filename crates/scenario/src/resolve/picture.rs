@@ -292,6 +292,9 @@ impl Resolver<'_> {
             }
             _ => {}
         }
+        if let Some(period) = period {
+            self.warnings.extend(hidden_pattern(pattern, period, count, pitch_mm));
+        }
         let period = period.unwrap_or_else(|| pattern.usual_period_mm(count, pitch_mm));
         let black = pattern.black(count, pitch_mm, period);
         let mut pixels = vec![white(); black.len()];
@@ -309,6 +312,15 @@ impl Resolver<'_> {
         photograph: Option<&Photograph<'_>>,
     ) -> Option<SourceImage> {
         let Pixels { count, pitch_mm } = *pixels;
+        if text.trim().is_empty() {
+            self.warnings.push("image.text has no letters: its part of the page is white".to_owned());
+        }
+        let lines: String = text.lines().collect();
+        let missing: Vec<char> = Font::bundled().missing(&lines);
+        if !missing.is_empty() {
+            self.errors.push(at, mistake::no_glyphs(&missing));
+            return None;
+        }
         let margin_mm = MARGIN * count[0] as f64 * pitch_mm[0];
         let margin = [0, 1].map(|k| ((margin_mm / pitch_mm[k]).round() as usize).min((count[k] - 1) / 2));
         let inner = Area { at: margin, count: [0, 1].map(|k| count[k] - 2 * margin[k]) };
@@ -346,6 +358,31 @@ impl Resolver<'_> {
             darken(&mut page[(block.at[1] + y) * count[0] + block.at[0]..][..block.count[0]], row);
         }
         Some(SourceImage { columns: count[0], pixels: page })
+    }
+}
+
+/// Why stripes, squares or spokes of this period are not seen on the panel; `None` if they are.
+fn hidden_pattern(
+    pattern: TestPattern,
+    period_mm: f64,
+    count: [usize; 2],
+    pitch_mm: [f64; 2],
+) -> Option<String> {
+    // Stripes repeat along x only.
+    let axes = if pattern == TestPattern::Stripes { 0..1 } else { 0..2 };
+    let pitch = axes.clone().map(|k| pitch_mm[k]).fold(0.0, f64::max);
+    let size = axes.map(|k| count[k] as f64 * pitch_mm[k]).fold(0.0, f64::max);
+    let shown = format!("image.period_mm = {period_mm}");
+    if period_mm < 2.0 * pitch * (1.0 - 1e-9) {
+        let place = if pattern == TestPattern::Siemens { " of the star at its rim" } else { "" };
+        Some(format!(
+            "{shown} is below two pixels ({} mm): the pixels cannot show the period{place}, and have the mean of black and white or beats",
+            2.0 * pitch
+        ))
+    } else if pattern != TestPattern::Siemens && period_mm >= 2.0 * size {
+        Some(format!("half of {shown} is wider than the panel ({size} mm): all of it is black"))
+    } else {
+        None
     }
 }
 
