@@ -5,6 +5,7 @@ import { useSignal } from "@preact/signals";
 import { lengthOf, listFrom, shown, spaced, spacingOf, type Axis, type Line, type Spacing } from "../model/axes.ts";
 import { plain } from "../model/format.ts";
 import { axes, keys, lineFor, nearKey, own } from "../state/sweep.ts";
+import { KeySelect } from "./key-select.tsx";
 
 /** Maximum number of values of an axis on the page; `papilio sweep` allows more. */
 const MOST = 401;
@@ -78,24 +79,19 @@ function LineFields({ axis, index, at }: { axis: Axis; index: number; at: number
   };
   return (
     <div class="controls axis">
-      <select
-        aria-label={`Key of ${name}`}
+      <KeySelect
+        label={`Key of ${name}`}
         value={line.path}
-        onChange={(event) => {
-          const fresh = lineFor(event.currentTarget.value, count);
+        keys={keys.value}
+        change={(to) => {
+          const fresh = lineFor(to, count);
           put(
             axis.length > 1 || fresh.spacing === "list" || fresh.values.length >= 2
               ? fresh
               : lineFor(fresh.path, COARSE),
           );
         }}
-      >
-        {[...new Set([...keys.value, line.path])].map((path) => (
-          <option key={path} value={path}>
-            {path}
-          </option>
-        ))}
-      </select>
+      />
       <select
         aria-label={`Values of ${name}`}
         value={line.spacing}

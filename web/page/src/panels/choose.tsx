@@ -19,7 +19,12 @@ export function FileButton({ label, title, stays }: { label: string; title?: str
         multiple
         tabindex={-1}
         aria-hidden="true"
-        onChange={(event) => void take([...(event.currentTarget.files ?? [])], stays)}
+        onChange={({ currentTarget }) => {
+          const files = [...(currentTarget.files ?? [])];
+          // A file that was changed and is chosen again is read again.
+          currentTarget.value = "";
+          void take(files, stays);
+        }}
       />
     </>
   );

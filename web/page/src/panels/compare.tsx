@@ -3,7 +3,7 @@
 import { Fragment } from "preact";
 
 import type { StateResult } from "../api/types.ts";
-import { digits, fixed, NONE, signed } from "../model/format.ts";
+import { fixed, NONE, plain, signed } from "../model/format.ts";
 import { deltaE2000, type Lab } from "../model/difference.ts";
 import { differences, partOf } from "../model/keys.ts";
 import { isTable, type Json } from "../model/json.ts";
@@ -12,15 +12,15 @@ import { result, resultCount, selected, states, title, view } from "../state/des
 import { open } from "../state/open.ts";
 import type { Rows } from "../model/csv.ts";
 import { hoverClass, pointsAt } from "../state/hover.ts";
-import { isPinned, pin, pinned, pinnedView, unpin } from "../state/pin.ts";
+import { isPinned, pin, pinned, pinnedName, pinnedView, unpin } from "../state/pin.ts";
 import { liveAge } from "../state/age.ts";
 import { Aged, ContentContext } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { MeasuredPanel } from "./measured.tsx";
-import { keep } from "./versions.tsx";
+import { CompareFormer, keep } from "./versions.tsx";
 
 const shown = (value: Json | undefined): string =>
-  value === undefined ? NONE : typeof value === "number" ? digits(value, 5) : isTable(value) ? "…" : String(value);
+  value === undefined ? NONE : typeof value === "number" ? plain(value) : isTable(value) ? "…" : String(value);
 
 function Keys() {
   const changed = differences(pinned.value!.result.scenario as Json, (result.value?.scenario ?? null) as Json);
@@ -122,13 +122,13 @@ const coloursTable = (): Rows => [
 ];
 
 function PinnedPanel() {
-  const before = pinned.value;
-  if (!before) {
+  if (!pinned.value) {
     return (
       <div class="controls">
         <button type="button" class="run" onClick={() => void keep()}>
           Keep the current design
         </button>
+        <CompareFormer />
         <span class="remark">
           The version that is compared is shown next to the current design: in the patches, both diagrams, the tables, and here key by
           key.
@@ -141,8 +141,8 @@ function PinnedPanel() {
     <>
       <div class="controls">
         <span>
-          Compared with <b>{before.title}</b>
-          {same ? ", equal to the current design" : `; current: ${title.value}`}
+          Compared with <b>{pinnedName.value}</b>
+          {same ? ", equal to the current design" : `; current: ${title.value}${title.value === pinnedName.value ? ", changed" : ""}`}
         </span>
         <button type="button" onClick={swap}>
           Swap
@@ -154,8 +154,12 @@ function PinnedPanel() {
           Stop comparing
         </button>
         <ContentContext.Provider value={{ age: liveAge.value }}>
-          <Downloads name="keys" table={keysTable} />
-          <Downloads name="colours" table={coloursTable} />
+          <Downloads name="keys" table={keysTable}>
+            {" Keys"}
+          </Downloads>
+          <Downloads name="colours" table={coloursTable}>
+            {" Colours"}
+          </Downloads>
         </ContentContext.Provider>
       </div>
       <Aged age={liveAge.value} count={resultCount.value}>

@@ -6,7 +6,7 @@ import type { Cone } from "../api/types.ts";
 import type { Rows } from "../model/csv.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { useFollowed } from "../state/follow.ts";
-import { pinned } from "../state/pin.ts";
+import { pinned, pinnedName } from "../state/pin.ts";
 import { Aged } from "./aged.tsx";
 import { Problems } from "./problems.tsx";
 
@@ -64,7 +64,7 @@ export function ConePanel() {
       </Aged>
       {before.value && before.age === "current" && pinned.value && (
         <>
-          <h3>Compared with {pinned.value.title}</h3>
+          <h3>Compared with {pinnedName.value}</h3>
           {before.value.figures.map(({ name, svg }) => (
             <Drawn key={name} svg={svg} label={`${name} of the version that is compared`} />
           ))}

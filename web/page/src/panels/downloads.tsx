@@ -1,5 +1,6 @@
 // A menu that saves a table as CSV and a figure as SVG or PNG. What is saved belongs to the current design; the name of a file tells where not.
 
+import type { ComponentChildren } from "preact";
 import { useContext, useRef } from "preact/hooks";
 
 import { pngOf } from "../plots/picture.ts";
@@ -20,6 +21,8 @@ interface Props {
   /** The rows of the table, with a head; or the text of a CSV file. */
   table?: () => Maybe<Rows | string>;
   svg?: () => Maybe<string>;
+  /** The words of the button; an arrow, unless given. */
+  children?: ComponentChildren;
 }
 
 /** Longest time to wait for what is being computed, and time between two looks at it, ms. */
@@ -47,7 +50,7 @@ async function settledAge(now: () => Age): Promise<Age> {
 }
 
 export function Downloads(props: Props) {
-  const { name, table, svg } = props;
+  const { name, table, svg, children } = props;
   const content = useContext(ContentContext);
   const shown = useRef({ props, content });
   shown.current = { props, content };
@@ -80,8 +83,8 @@ export function Downloads(props: Props) {
     }
   };
   return (
-    <Menu class="download" label={`Download ${name}`} title={`Save as a file: ${name}`} items={items} choose={choose}>
-      ⤓
+    <Menu class={children ? "download named" : "download"} label={`Download ${name}`} title={`Save as a file: ${name}`} items={items} choose={choose}>
+      ⤓{children}
     </Menu>
   );
 }

@@ -99,12 +99,12 @@ export function Room() {
   return (
     <Menu
       class="room"
-      label={words ? `Lighting preset: ${words}` : undefined}
+      label={words ? `Lighting preset: ${words}` : "Lighting preset"}
       items={PRESETS.value}
       chosen={now && !now.changed ? now.name : ""}
       choose={applyPreset}
     >
-      {words || "Lighting preset"}
+      {words ? `Light: ${words}` : "Light"}
     </Menu>
   );
 }

@@ -1,10 +1,12 @@
 // A fit, as by `papilio fit`: keys of the design from measured files, with their intervals, and what the data cannot tell apart.
 
 import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 
-import type { FitDone } from "../api/types.ts";
+import type { Compared, FitDone } from "../api/types.ts";
 import { correlated, decimalsOf, type FitVariable } from "../model/fit.ts";
 import { digits, fixed, NONE, plain } from "../model/format.ts";
+import { renamable, renamed, type Renamed } from "../model/state-names.ts";
 import { Drawn } from "../plots/figure.tsx";
 import {
   addVariable,
@@ -13,6 +15,7 @@ import {
   fit,
   fittedTo,
   isOfFile,
+  isOfInputs,
   keep,
   keys,
   measured,
@@ -27,6 +30,10 @@ import {
   variableFor,
   variables,
 } from "../state/fit.ts";
+import { states } from "../state/design.ts";
+import { add, fileIds } from "../state/files.ts";
+import { useFollowed } from "../state/follow.ts";
+import { keptFile } from "../state/keep.ts";
 import { labelText } from "../state/labels.ts";
 import { said } from "../state/said.ts";
 import { Aged } from "./aged.tsx";
@@ -34,6 +41,7 @@ import { FileButton } from "./choose.tsx";
 import { Downloads } from "./downloads.tsx";
 import { fileName } from "./file-name.ts";
 import { AsJob } from "./jobs.tsx";
+import { KeySelect } from "./key-select.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
 
@@ -42,6 +50,8 @@ type Fitted = Report["variables"][number];
 
 /** Correlations that are at least this large are named. */
 const STRONG = 0.9;
+/** Time without changes after which a measured file is compared, ms. */
+const REST_MS = 150;
 /** The most pairs that are named. */
 const MOST_PAIRS = 5;
 
@@ -64,7 +74,7 @@ function Remarks({ more }: { more: FitVariable["more"] }) {
 function VariableFields({ variable, index }: { variable: FitVariable; index: number }) {
   const wrong = useSignal("");
   const { key, bounds, more } = variable;
-  const name = `variable ${index}`;
+  const name = `variable ${index + 1}`;
   const put = (end: 0 | 1, typed: string) => {
     const value = Number(typed.replace(",", "."));
     const next: [number, number] = end === 0 ? [value, bounds[1]] : [bounds[0], value];
@@ -76,12 +86,12 @@ function VariableFields({ variable, index }: { variable: FitVariable; index: num
         : `${plain(next[0], 8)} to ${plain(next[1], 8)}: the smaller bound must come first`;
     if (wrong.value === "") change(index, { ...variable, bounds: next });
   };
-  const bound = (end: 0 | 1, words: string) => (
+  const bound = (end: 0 | 1, words: string, which: string) => (
     <label>
       {words}{" "}
       <input
         inputMode="decimal"
-        aria-label={`${words} of ${name}`}
+        aria-label={`${which} value of ${name}`}
         value={String(bounds[end])}
         onChange={(event) => put(end, event.currentTarget.value)}
       />
@@ -89,20 +99,9 @@ function VariableFields({ variable, index }: { variable: FitVariable; index: num
   );
   return (
     <div class="controls axis">
-      <select
-        aria-label={`Key of ${name}`}
-        value={key}
-        title={labelText(key)}
-        onChange={(event) => change(index, variableFor(event.currentTarget.value))}
-      >
-        {[...new Set([...keys.value, key])].map((path) => (
-          <option key={path} value={path}>
-            {path}
-          </option>
-        ))}
-      </select>
-      {bound(0, "from")}
-      {bound(1, "to")}
+      <KeySelect label={`Key of ${name}`} value={key} keys={keys.value} change={(to) => change(index, variableFor(to))} />
+      {bound(0, "from", "Smallest")}
+      {bound(1, "to", "Largest")}
       <button type="button" onClick={() => change(index, null)} aria-label={`Remove ${name}`}>
         Remove
       </button>
@@ -116,20 +115,73 @@ function VariableFields({ variable, index }: { variable: FitVariable; index: num
   );
 }
 
+/** Offers to read names that contain a state of the design as that state. */
+function Rename({ name, id }: { name: string; id: string }) {
+  const found = useSignal<readonly Renamed[]>([]);
+  const content = useSignal("");
+  const all = states.value.map(([state]) => state);
+  useEffect(() => {
+    void keptFile(id).then(async (bytes) => {
+      content.value = (await bytes?.text()) ?? "";
+      found.value = renamable(content.value, all);
+    });
+  }, [id, all.join()]);
+  if (found.value.length === 0) return null;
+  const [from, to] = [0, 1].map((k) => found.value.map((pair) => pair[k]).join(", "));
+  const read = async () => {
+    if (await add(name, new Blob([renamed(content.value, all)])))
+      said.value = `${name} is read with the states ${to}. The file on your disk is unchanged.`;
+  };
+  return (
+    <button type="button" onClick={() => void read()}>
+      Read {from} as {to}
+    </button>
+  );
+}
+
+/** How well the design matches a measured file before the fit, or why it cannot be compared with it. */
+function Match({ name, id }: { name: string; id: string }) {
+  const { value, age, problems } = useFollowed<Compared>("compare", { panel: id }, REST_MS);
+  if (problems.length > 0)
+    return (
+      <div>
+        <Problems of={problems} />
+        <Rename name={name} id={id} />
+      </div>
+    );
+  if (value === null) return <small>reading…</small>;
+  const { states: compared, left_out: leftOut, metrics } = value.comparison;
+  const distances = compared.map(({ state, delta_E_2000: far }) => (typeof far === "number" ? `${state} ${fixed(far, 1)}` : state));
+  const count = (metrics ?? []).length;
+  return (
+    <span class="remark" aria-busy={age !== "current"}>
+      {compared.length > 0 && `ΔE00 of the design: ${distances.join(", ")}`}
+      {count > 0 && ` ${count} ${count === 1 ? "metric" : "metrics"}`}
+      {leftOut.map((reason) => (
+        <span key={reason}>. Note: {reason}</span>
+      ))}{" "}
+      {leftOut.length > 0 && <Rename name={name} id={id} />}
+    </span>
+  );
+}
+
 function MeasuredFiles() {
   return (
     <fieldset>
       <legend>Measured files</legend>
       {measured.value.map(({ name, isUsed }) => (
-        <label class="measured-file" key={name}>
-          <input type="checkbox" checked={isUsed} onChange={(event) => use(name, event.currentTarget.checked)} /> {name}
-        </label>
+        <div class="measured-file" key={name}>
+          <label>
+            <input type="checkbox" checked={isUsed} onChange={(event) => use(name, event.currentTarget.checked)} /> {name}
+          </label>
+          {isUsed && <Match key={fileIds.value[name]} name={name} id={fileIds.value[name]!} />}
+        </div>
       ))}
       <div class="controls">
         <FileButton label="Choose a measurement" stays />
         <span class="remark">
           or drop files: spectra, colours or metrics of the states, as for <i>Compare</i>; with a column
-          standard_deviation, if it is known.
+          standard_deviation, if it is known. The light must be that of the instrument: choose it in the list of lights (d8-included, 45-0).
         </span>
       </div>
     </fieldset>
@@ -268,6 +320,7 @@ function Setup() {
   const running = fit.phase.value === "running";
   const count = variables.value.length;
   const now = progress.value;
+  const missing = used.value.length === 0 ? "Choose a measurement first." : count === 0 ? "Add a variable first." : "";
   return (
     <>
       {ofFile.value !== null && (
@@ -288,14 +341,14 @@ function Setup() {
             Cancel
           </button>
         ) : (
-          <button type="button" class="run" disabled={count === 0 || used.value.length === 0} onClick={() => void run()}>
+          <button type="button" class="run" disabled={missing !== ""} title={missing} onClick={() => void run()}>
             Fit {count} {count === 1 ? "variable" : "variables"}
           </button>
         )}
-        {!running && count > 0 && used.value.length > 0 && <AsJob start={runAsJob} />}
+        {!running && missing === "" && <AsJob start={runAsJob} />}
         <progress max={1} value={fit.phase.value === "done" ? 1 : (now?.fraction ?? 0)} aria-label="Progress of the fit" />
         <span role="status" data-phase={fit.phase.value}>
-          {running ? (now?.words ?? "computing…") : fit.phase.value === "done" ? "done" : fit.phase.value === "cancelled" ? "cancelled" : ""}
+          {running ? (now?.words ?? "computing…") : fit.phase.value === "done" ? "done" : fit.phase.value === "cancelled" ? "cancelled" : missing}
         </span>
         {!isOfFile.value && count > 0 && (
           <button type="button" onClick={keep} title="Write these variables to the scenario, for `papilio fit FILE`">
@@ -303,7 +356,7 @@ function Setup() {
           </button>
         )}
       </div>
-      {age.value === "current" && <Problems of={fit.problems.value} />}
+      {age.value === "current" && isOfInputs.value && <Problems of={fit.problems.value} />}
     </>
   );
 }

@@ -6,11 +6,14 @@ import { useRef } from "preact/hooks";
 import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
 import { halftoneName, HALFTONES, isStated } from "../model/halftones.ts";
+import { at, isTable, listAt } from "../model/json.ts";
+import { mendOf } from "../model/mends.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
+import { zipped } from "../model/zip.ts";
 import { markOf } from "../state/age.ts";
-import { text } from "../state/design.ts";
+import { fields, text } from "../state/design.ts";
 import { FAR, imagesOfLamps, isSizeKnown, lampsSeen, veil_cd_m2 } from "../state/eye.ts";
 import {
   drags,
@@ -32,14 +35,16 @@ import {
   zoom,
   zoomBy,
 } from "../state/image.ts";
+import { edit, set } from "../state/live.ts";
 import { said } from "../state/said.ts";
 import { FileButton } from "./choose.tsx";
 import { fileName } from "./file-name.ts";
 import { Display, imageClass, useDrawing } from "./image-display.tsx";
-import { Menu } from "./menu.tsx";
+import { Menu, type Item } from "./menu.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
 import { usePicture } from "./stage.tsx";
+import { NumberBox } from "./study-parts.tsx";
 
 const WHITES: readonly (readonly [White, string])[] = [
   ["perfect", "a perfect white in this light"],
@@ -49,10 +54,26 @@ const WHITES: readonly (readonly [White, string])[] = [
 
 const SCREENS: readonly ScreenLight[] = ["paper", 100, 300, 1000];
 
-/** Without a halftone, there are no states: neither for a picture nor for the panel. */
-const OF_STATES = ["states.png", "frame.bin", "frame.bmp", "frame.h"];
+/** The files of states, which there are only with a halftone: for a picture and for the panel. */
+const OF_STATES: readonly Item[] = [
+  { name: "states.png", summary: "The state of each pixel: a picture with a palette" },
+  { name: "frame.bin", summary: "For the panel: the code of each pixel, packed" },
+  { name: "frame.bmp", summary: "For the panel: the codes as the numbers of a BMP" },
+  { name: "frame.h", summary: "For the panel: the packed codes as a C header" },
+];
 
-const FILES = [...OF_STATES, "seen.png", "image.json", "palette.gpl", "palette.css", "palette-epdoptimize.json"];
+/** The name of the archive of all files. */
+const ALL = "all";
+
+/** The files of the picture. */
+const filesOf = (withStates: boolean): readonly Item[] => [
+  ...(withStates ? OF_STATES : []),
+  { name: "seen.png", summary: "The display as its reader sees it in this light" },
+  { name: "image.json", summary: "Numbers of the picture, and the layout of the frame" },
+  { name: "palette.gpl", summary: "Colours of the states: GIMP, Inkscape, Krita" },
+  { name: "palette.css", summary: "Colours of the states: style sheets" },
+  { name: "palette-epdoptimize.json", summary: "Colours as seen and as sent: for epdoptimize" },
+];
 
 /** The picture on a screen in the same room. */
 function Screen() {
@@ -119,10 +140,20 @@ function ofScenario(): string {
 }
 
 function Controls() {
-  const download = async (what: string) => {
+  const files = filesOf(shown.value?.seen.head.held !== null);
+  const archive = async (): Promise<Blob> => {
+    const all = new Map<string, Uint8Array>();
+    for (const [i, { name }] of files.entries()) {
+      said.value = `File ${i + 1} of ${files.length}, ${name}, is being computed in full size.`;
+      all.set(name, new Uint8Array(await (await pictureFile(name)).arrayBuffer()));
+    }
+    return zipped(all);
+  };
+  const download = async (chosen: string) => {
+    const what = chosen === ALL ? "picture.zip" : chosen;
     try {
       said.value = `${what} is being computed in full size.`;
-      save(`${fileName()}-${what}`, await pictureFile(what));
+      save(`${fileName()}-${what}`, await (chosen === ALL ? archive() : pictureFile(chosen)));
       said.value = `${what} is saved.`;
     } catch (why) {
       said.value = why instanceof Error ? why.message : String(why);
@@ -138,11 +169,12 @@ function Controls() {
       )}
       <Menu
         label="Download files of the picture"
-        items={FILES.filter((name) => !OF_STATES.includes(name) || shown.value?.seen.head.held !== null).map((name) => ({ name }))}
+        items={[...files, { name: ALL, label: "All files", summary: "One zip archive" }]}
         choose={download}
       >
         Files
       </Menu>
+      <PanelSize />
       <label class="wide">
         <span>Halftone</span>
         <select value={halftone.value ?? ""} onChange={(event) => (halftone.value = event.currentTarget.value || null)}>
@@ -209,6 +241,32 @@ function Controls() {
   );
 }
 
+/** Pixels per inch of a display whose pixels get a number first. */
+const USUAL_PPI = 300;
+
+/** The number of pixels of the panel, to which pictures are fitted. */
+function PanelSize() {
+  const given = listAt(fields.value, "display.matrix.pixels");
+  const [columns, rows] = given.length === 2 ? (given as number[]) : [undefined, undefined];
+  const now = shown.value?.seen.size ?? [400, 300];
+  const put = (end: 0 | 1, value: number | null) => {
+    if (value === null || value < 1) return;
+    const pixels = end === 0 ? [Math.round(value), rows ?? now[1]] : [columns ?? now[0], Math.round(value)];
+    if (isTable(at(fields.value, "display.matrix"))) return set("display.matrix.pixels", pixels);
+    set("display.matrix", { ppi: USUAL_PPI, pixels });
+    said.value = `The display has ${pixels.join(" × ")} pixels of ${USUAL_PPI} per inch: display.matrix of the scenario.`;
+  };
+  return (
+    <span class="panel-size" title="display.matrix.pixels: pictures are fitted to it; without it, the panel has the size of the picture">
+      <span>Pixels of the panel</span>
+      <span>
+        <NumberBox label="Columns of pixels of the panel" value={columns} put={(value) => put(0, value)} /> ×{" "}
+        <NumberBox label="Rows of pixels of the panel" value={rows} put={(value) => put(1, value)} />
+      </span>
+    </span>
+  );
+}
+
 /** Mirror images of lamps, and the veil in the eye. */
 function Images() {
   if (lampsSeen.value.length === 0) return null;
@@ -267,9 +325,17 @@ function Legend() {
 
 export function ImagePanel() {
   usePicture();
+  const mend = mendOf(imageProblems.value);
   return (
     <section class="seen" aria-label="Picture">
       <Problems of={imageProblems.value} />
+      {mend && (
+        <p class="mend">
+          <button type="button" class="run" onClick={() => edit(mend.edits)}>
+            Add {mend.words}
+          </button>
+        </p>
+      )}
       <div class="seen-all">
         <Display />
         <div class={`beside${imageClass()}`}>

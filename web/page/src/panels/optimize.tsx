@@ -29,6 +29,7 @@ import { said } from "../state/said.ts";
 import { Aged } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { fileName } from "./file-name.ts";
+import { KeySelect } from "./key-select.tsx";
 import { MetricPicker } from "./metric-picker.tsx";
 import { Problems } from "./problems.tsx";
 import { save } from "./save.ts";
@@ -58,18 +59,7 @@ function VariableFields({ variable, index }: { variable: Table; index: number })
       {choices.length > 0 || remarkOf(variable) !== "" ? (
         <code title={labelText(key)}>{key}</code>
       ) : (
-        <select
-          aria-label={`Key of variable ${index + 1}`}
-          value={key}
-          title={labelText(key)}
-          onChange={(event) => put(variableFor(event.currentTarget.value))}
-        >
-          {[...new Set([...keys.value, key])].map((path) => (
-            <option key={path} value={path}>
-              {path}
-            </option>
-          ))}
-        </select>
+        <KeySelect label={`Key of variable ${index + 1}`} value={key} keys={keys.value} change={(to) => put(variableFor(to))} />
       )}
       {choices.length > 0 ? (
         <span>one of {choices.map((choice) => shown(choice)).join(", ")}</span>
@@ -129,8 +119,8 @@ function ObjectiveFields({ objective, index }: { objective: Table; index: number
 
 /** The numbers of the effort. */
 function Effort() {
-  const count = (key: string, label: string, least: number) => (
-    <label>
+  const count = (key: string, label: string, least: number, help: string) => (
+    <label title={help}>
       {label}{" "}
       <NumberBox
         label={label}
@@ -141,9 +131,9 @@ function Effort() {
   );
   return (
     <div class="controls axis">
-      {count("starts", "starts", 1)}
-      {count("evaluations", "designs", 10)}
-      {study.list("objectives").length > 1 && count("points", "points of the front", 2)}
+      {count("starts", "starts", 1, "Number of searches from different points: that they find the same design is a sign that it is the best")}
+      {count("evaluations", "designs", 10, "Number of designs that may be evaluated, in all searches together")}
+      {study.list("objectives").length > 1 && count("points", "points of the front", 2, "Number of designs of the Pareto front")}
     </div>
   );
 }

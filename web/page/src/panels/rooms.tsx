@@ -1,18 +1,21 @@
 // The same page in other rooms: presets of light, seen from the direction of the design.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import { useSignal } from "@preact/signals";
 
 import { post, postForBytes, Refused } from "../api/client.ts";
 import { anglesOf } from "../model/perspective.ts";
 import { unpacked, type Seen } from "../model/seen.ts";
 import { at } from "../model/json.ts";
-import { fields, text } from "../state/design.ts";
+import { fields, text, title } from "../state/design.ts";
 import { fileIds } from "../state/files.ts";
 import { pictureName, tilt } from "../state/image.ts";
 import { rooms as chosen, showRooms } from "../state/rooms.ts";
 import { BUSY } from "../state/server.ts";
 import { PRESETS } from "../state/shelf.ts";
+import { picturesSvg } from "../plots/pictures-svg.ts";
+import { ContentContext } from "./aged.tsx";
+import { Downloads } from "./downloads.tsx";
 import { applyPreset } from "./editor.tsx";
 import { PageCanvas, pageInWords } from "./page-canvas.tsx";
 
@@ -34,13 +37,15 @@ async function seenIn(preset: string, signal: AbortSignal): Promise<Seen> {
   return unpacked(await postForBytes("image", request, signal));
 }
 
+const summaryOf = (preset: string): string => PRESETS.value.find(({ name }) => name === preset)?.summary.replace(/[`*]/g, "") ?? "";
+
 function Picture({ of, preset }: { of: InRoom | undefined; preset: string }) {
   return (
     <figure data-room={preset} aria-busy={of === undefined}>
       <PageCanvas seen={of?.seen} tilt={tilt.value} label={`The display in the light of ${preset}`} />
       <figcaption>
-        <span>
-          {preset} <small>{of?.words ?? "computing…"}</small>
+        <span title={summaryOf(preset)}>
+          <b>{preset}</b> <small>{of?.words ?? "computing…"}</small>
         </span>
         <button type="button" onClick={() => applyPreset(preset)}>
           Take this light
@@ -50,7 +55,18 @@ function Picture({ of, preset }: { of: InRoom | undefined; preset: string }) {
   );
 }
 
+/** All pictures with their captions as one figure. */
+const figureOf = (panel: HTMLElement, rooms: readonly string[], found: Readonly<Record<string, InRoom>>): string =>
+  picturesSvg(
+    `${title.value}, to an eye that is adapted to each light`,
+    rooms.flatMap((room) => {
+      const canvas = panel.querySelector<HTMLCanvasElement>(`[data-room="${room}"] canvas`);
+      return canvas && found[room]?.seen ? [{ canvas, title: room, words: found[room].words }] : [];
+    }),
+  );
+
 export function RoomsPanel() {
+  const panel = useRef<HTMLElement>(null);
   const found = useSignal<Readonly<Record<string, InRoom>>>({});
   const rooms = chosen.value.filter((name) => PRESETS.value.some((preset) => preset.name === name));
   const key = JSON.stringify([text.value, fileIds.value, pictureName.value, tilt.value, rooms]);
@@ -79,7 +95,7 @@ export function RoomsPanel() {
     };
   }, [key]);
   return (
-    <section class="rooms seen" aria-label="Rooms">
+    <section class="rooms seen" aria-label="Rooms" ref={panel}>
       <fieldset class="room-choice">
         <legend>
           Rooms <small>an eye that is adapted to each; white is a perfect white in its light</small>
@@ -97,6 +113,15 @@ export function RoomsPanel() {
           </label>
         ))}
       </fieldset>
+      {rooms.length > 0 && (
+        <div class="controls">
+          <ContentContext.Provider value={{ age: rooms.every((room) => room in found.value) ? "current" : "before" }}>
+            <Downloads name="rooms" svg={() => figureOf(panel.current!, rooms, found.value)}>
+              {" Pictures"}
+            </Downloads>
+          </ContentContext.Provider>
+        </div>
+      )}
       <div class="room-pictures">
         {rooms.map((room) => (
           <Picture key={room} preset={room} of={found.value[room]} />

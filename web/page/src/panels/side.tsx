@@ -15,7 +15,7 @@ import { chosen } from "../state/numbers.ts";
 import { answerOf, base, columns, CURRENT, followSide, setBase, toggle, type Column } from "../state/side.ts";
 import { dark } from "../state/theme.ts";
 import { versions } from "../state/versions.ts";
-import { bring } from "./versions.tsx";
+import { bring, CompareFormer } from "./versions.tsx";
 import { Downloads } from "./downloads.tsx";
 import { PageCanvas } from "./page-canvas.tsx";
 import { formOf, type Form } from "./summary.tsx";
@@ -128,6 +128,7 @@ function Numbers() {
             {columns.value.map((of) => (
               <th scope="col" key={of.id}>
                 {of.name}
+                {of.id === CURRENT && versions.value.length > 0 && <small>, current</small>}
               </th>
             ))}
           </tr>
@@ -232,7 +233,10 @@ export function SidePanel() {
   return (
     <section class="side seen" aria-label="Designs side by side">
       {versions.value.length === 0 ? (
-        <p class="remark">No version is kept yet. “Keep this version”, below, keeps the current design; then change it, and both are here.</p>
+        <div class="controls">
+          <CompareFormer />
+          <span class="remark">No version is kept yet. “Keep this version”, below, keeps the current design; then change it, and both are here.</span>
+        </div>
       ) : (
         <fieldset class="room-choice">
           <legend>

@@ -1,15 +1,17 @@
 // A tolerance analysis, as by `papilio tolerance`: distributions of keys in production, and the yield, spreads and sensitivities that follow.
 
 import type { ToleranceDone } from "../api/types.ts";
-import { digits, fixed, NONE } from "../model/format.ts";
-import { listAt, type Table } from "../model/json.ts";
+import { digits, fixed, NONE, plain } from "../model/format.ts";
+import { at, listAt, type Table } from "../model/json.ts";
 import { keyOf, replaced, SPREADS, spreadOf, withSpread } from "../model/study.ts";
 import { Drawn } from "../plots/figure.tsx";
+import { fields } from "../state/design.ts";
 import { labelText } from "../state/labels.ts";
 import { hasTargets } from "../state/optimize.ts";
-import { addKey, addTargets, age, analysis, done, keyFor, keys, progress, run, study } from "../state/tolerance.ts";
+import { addKey, addOfSearch, addTargets, age, analysis, done, keyFor, keys, ofSearch, progress, run, study } from "../state/tolerance.ts";
 import { Aged } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
+import { KeySelect } from "./key-select.tsx";
 import { Problems } from "./problems.tsx";
 import { Limits, NumberBox, Start } from "./study-parts.tsx";
 
@@ -21,6 +23,20 @@ function distribution(key: Table): string {
   return kinds.length > 0 ? `${kinds[0]}, as in the scenario` : "as in the scenario";
 }
 
+/** Returns the value of a key without its sign; 0 if it has none. */
+const sizeOf = (key: string): number => {
+  const value = at(fields.value, key);
+  return typeof value === "number" ? Math.abs(value) : 0;
+};
+
+type Spread = NonNullable<ReturnType<typeof spreadOf>>;
+
+/** Returns the same tolerance with a width relative to the value of the key, or in its unit. */
+const relative = (of: Table, { kind, width }: Spread, key: string): Table =>
+  withSpread({ ...of, relative: true }, kind, sizeOf(key) > 0 ? Number((width / sizeOf(key)).toPrecision(3)) : width);
+const absolute = (of: Table, { kind, width }: Spread, key: string): Table =>
+  withSpread({ ...of, relative: false }, kind, sizeOf(key) > 0 ? Number((width * sizeOf(key)).toPrecision(3)) : width);
+
 function KeyFields({ of, index }: { of: Table; index: number }) {
   const all = study.list("keys");
   const put = (to: Table | null) => study.put("keys", replaced(all, index, to));
@@ -31,18 +47,7 @@ function KeyFields({ of, index }: { of: Table; index: number }) {
       {others.length > 1 ? (
         <code>{others.join(", ")}</code>
       ) : (
-        <select
-          aria-label={`Key of tolerance ${index + 1}`}
-          value={key}
-          title={labelText(key)}
-          onChange={(event) => put(keyFor(event.currentTarget.value))}
-        >
-          {[...new Set([...keys.value, key])].map((path) => (
-            <option key={path} value={path}>
-              {path}
-            </option>
-          ))}
-        </select>
+        <KeySelect label={`Key of tolerance ${index + 1}`} value={key} keys={keys.value} change={(to) => put(keyFor(to))} />
       )}
       {spread ? (
         <>
@@ -66,9 +71,9 @@ function KeyFields({ of, index }: { of: Table; index: number }) {
             <input
               type="checkbox"
               checked={isRelative}
-              onChange={(event) => put({ ...of, relative: event.currentTarget.checked })}
+              onChange={(event) => put(event.currentTarget.checked ? relative(of, spread, key) : absolute(of, spread, key))}
             />{" "}
-            relative
+            relative{isRelative && `, ${plain(100 * spread.width, 3)} %`}
           </label>
         </>
       ) : (
@@ -117,6 +122,12 @@ function Yield({ report }: { report: Report }) {
   );
 }
 
+/** Returns the label of a key of the analysis by its name there. */
+function inWords(name: string): string {
+  const key = study.list("keys").find((one) => one["name"] === name);
+  return key ? labelText(keyOf(key)).replace(/ \([^)]*\)$/, "") : name;
+}
+
 /** The percentiles that are shown: 5, 50 and 95 %. */
 const SHOWN = [1, 3, 5];
 
@@ -131,7 +142,7 @@ function Spreads({ report }: { report: Report }) {
           <th scope="col">5 %</th>
           <th scope="col">50 %</th>
           <th scope="col">95 %</th>
-          <th scope="col">who is to blame</th>
+          <th scope="col">main causes</th>
         </tr>
       </thead>
       <tbody>
@@ -150,7 +161,7 @@ function Spreads({ report }: { report: Report }) {
                 <td key={k}>{digits(spread?.percentiles[k]?.value, 5)}</td>
               ))}
               <td class="words">
-                {worst.map(({ i, total }) => `${report.groups[i]!.join(" + ")} ${fixed(100 * total, 0)} %`).join(", ")}
+                {worst.map(({ i, total }) => `${report.groups[i]!.map(inWords).join(" + ")} ${fixed(100 * total, 0)} %`).join(", ")}
               </td>
             </tr>
           );
@@ -173,7 +184,9 @@ function Result({ of }: { of: ToleranceDone }) {
       </div>
       <p class="figure-tools">
         {of.tables.map(({ name, csv }) => (
-          <Downloads key={name} name={name} table={() => csv} />
+          <Downloads key={name} name={name} table={() => csv}>
+            {` ${name}.csv`}
+          </Downloads>
         ))}
       </p>
       {report.warnings.map((warning) => (
@@ -201,7 +214,7 @@ export function TolerancePanel() {
     <div class="study">
       <div>
         <p class="remark">
-          How many displays of a production meet the limits, and which key is to blame? <i>Vary</i> beside a field adds its key.
+          How many displays of a production meet the limits, and which key causes their spread? <i>Vary</i> beside a field adds its key.
         </p>
         <Start
           of={analysis}
@@ -233,6 +246,11 @@ export function TolerancePanel() {
           {hasTargets.value && (
             <button type="button" onClick={addTargets}>
               Take the targets of the numbers as limits
+            </button>
+          )}
+          {ofSearch.value.isNew && (
+            <button type="button" onClick={addOfSearch}>
+              Take variables and constraints of the search
             </button>
           )}
           <div class="controls axis">

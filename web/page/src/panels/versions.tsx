@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 
+import type { Result, View } from "../api/types.ts";
 import { digits } from "../model/format.ts";
 import { metricsOf } from "../model/metrics.ts";
 import { coloursOf } from "../plots/patches.tsx";
@@ -11,8 +12,8 @@ import { result, text, title, view } from "../state/design.ts";
 import { keptIds, recallFiles } from "../state/files.ts";
 import { exposed, factors, imageAge, shown } from "../state/image.ts";
 import { labelText } from "../state/labels.ts";
-import { open } from "../state/open.ts";
-import { pin, pinned, repin, unpin } from "../state/pin.ts";
+import { former, open } from "../state/open.ts";
+import { pin, pinned, pinnedName, pinnedView, repin, unpin } from "../state/pin.ts";
 import { said } from "../state/said.ts";
 import { earlier, lookForEarlier, takeUp } from "../state/start.ts";
 import { present } from "../state/age.ts";
@@ -26,46 +27,72 @@ const SIZE = [112, 84] as const;
 /** The numbers of a card. */
 const NUMBERS = ["contrast_ratio", "gamut_percent_srgb", "white.Y"];
 
-/** Draws the picture of the current design small; its states in stripes if it has no picture. */
-function thumbnail(): string {
+/** Draws the colours of the states of a result as stripes. */
+function stripes(of: Result | null, view: View | null): string {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = SIZE;
-  const [now, by] = [shown.value, exposed.value];
-  if (now && by && imageAge.value === "current") {
-    const height = now.seen.size[1] / now.seen.size[0];
-    onCanvas(canvas).draw({
-      lit: { picture: now.seen, factors: factors.value, added: [0, 0, 0], matrix: by.matrix },
-      camera: camera([0, 0], 4, height),
-      frame: { canvas: SIZE, scale: fitting(SIZE, height), middle: [0, 0] },
-      mirrors: [],
-      veils: [],
-      subPixels: null,
-    });
-  } else {
-    const context = canvas.getContext("2d");
-    const colours = [...coloursOf(result.value, view.value).colours.values()];
-    colours.forEach((colour, i) => {
-      if (!context) return;
-      context.fillStyle = colour;
-      context.fillRect((i * SIZE[0]) / colours.length, 0, Math.ceil(SIZE[0] / colours.length), SIZE[1]);
-    });
-  }
+  const context = canvas.getContext("2d");
+  const colours = [...coloursOf(of, view).colours.values()];
+  colours.forEach((colour, i) => {
+    if (!context) return;
+    context.fillStyle = colour;
+    context.fillRect((i * SIZE[0]) / colours.length, 0, Math.ceil(SIZE[0] / colours.length), SIZE[1]);
+  });
   return canvas.toDataURL("image/png");
 }
 
-function numbersNow(): Record<string, number> {
-  const all = view.value ? metricsOf(view.value) : new Map();
+/** Draws the picture of the current design small; its states in stripes if it has no picture. */
+function thumbnail(): string {
+  const [now, by] = [shown.value, exposed.value];
+  if (!now || !by || imageAge.value !== "current") return stripes(result.value, view.value);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = SIZE;
+  const height = now.seen.size[1] / now.seen.size[0];
+  onCanvas(canvas).draw({
+    lit: { picture: now.seen, factors: factors.value, added: [0, 0, 0], matrix: by.matrix },
+    camera: camera([0, 0], 4, height),
+    frame: { canvas: SIZE, scale: fitting(SIZE, height), middle: [0, 0] },
+    mirrors: [],
+    veils: [],
+    subPixels: null,
+  });
+  return canvas.toDataURL("image/png");
+}
+
+function numbersOf(view: View | null): Record<string, number> {
+  const all = view ? metricsOf(view) : new Map();
   return Object.fromEntries(NUMBERS.flatMap((name) => (typeof all.get(name) === "number" ? [[name, all.get(name)]] : [])));
 }
 
-/** Keeps the current design, and compares later ones with it. */
 /** Keeps the current design as a version, and compares later ones with it. */
 export async function keep(): Promise<void> {
   if (!(await pin())) return;
   const same = versions.value.filter(({ name }) => name === title.value || name.startsWith(`${title.value} `)).length;
   const name = same === 0 ? title.value : `${title.value} ${same + 1}`;
-  keepVersion({ name, text: text.value, files: keptIds.value, thumbnail: thumbnail(), numbers: numbersNow() });
+  keepVersion({ name, text: text.value, files: keptIds.value, thumbnail: thumbnail(), numbers: numbersOf(view.value) });
   said.value = `“${name}” is kept; later designs are compared with it.`;
+}
+
+/** Keeps the design as it was opened or before the last change as a version, and compares the current one with it. */
+export async function keepFormer(): Promise<void> {
+  const before = former.value;
+  if (!before) return;
+  const files = keptIds.value;
+  if (!(await repin(before.text, files))) return void (said.value = `The design ${before.words} cannot be computed.`);
+  const { revision, title: name, result } = pinned.value!;
+  if (versions.value.some((one) => revisionOf(one.text, one.files) === revision)) return;
+  const of = pinnedView.value;
+  keepVersion({ name: `${name}, ${before.words}`, text: before.text, files, thumbnail: stripes(result, of), numbers: numbersOf(of) });
+}
+
+/** The button that compares the current design with what it was before, where nothing is compared yet. */
+export function CompareFormer() {
+  if (pinned.value || !former.value) return null;
+  return (
+    <button type="button" onClick={() => void keepFormer()} title={`Keep the design ${former.value.words} as a version, and compare the current one with it`}>
+      Compare with before
+    </button>
+  );
 }
 
 export async function bring({ name, text: whole, files }: Version): Promise<void> {
@@ -101,6 +128,7 @@ function Card({ of }: { of: Version }) {
       <div>
         <input
           aria-label={`Name of the version ${of.name}`}
+          title={of.name}
           value={typed.value ?? of.name}
           onInput={(event) => (typed.value = event.currentTarget.value)}
           onChange={(event) => renameVersion(of.id, event.currentTarget.value)}
@@ -140,10 +168,11 @@ export function Versions() {
         <button type="button" class="keep" onClick={() => void keep()} title="Keep this design as a version, and compare later ones with it">
           Keep this version
         </button>
+        <CompareFormer />
         {pinned.value && (
           <>
             <button type="button" class="key-link" onClick={() => showTab("compare")}>
-              Compared with {pinned.value.title}
+              Compared with {pinnedName.value}
             </button>
             <button type="button" onClick={unpin}>
               Stop comparing

@@ -16,7 +16,7 @@ import { pinned, pinnedView } from "../state/pin.ts";
 import { dark } from "../state/theme.ts";
 import { useColours } from "./patches.tsx";
 import { svgOf } from "./picture.ts";
-import { placed } from "./place.ts";
+import { LETTER, placed, type Box } from "./place.ts";
 
 /** Scale in px per unit of u' and v', and position of the origin. */
 const SCALE = 640;
@@ -69,8 +69,8 @@ function Tint() {
   return <canvas ref={canvas} width={2 * WIDTH} height={2 * HEIGHT} aria-hidden="true" />;
 }
 
-/** The label of a wavelength, outside the locus. */
-function Wavelength({ nm }: { nm: number }) {
+/** Returns the place of the label of a wavelength, outside the locus, and of its mark. */
+function besideLocus(nm: number) {
   const i = LOCUS.findIndex(([at]) => at === nm);
   const [before, here, after] = [LOCUS[i - 1], LOCUS[i], LOCUS[i + 1]];
   if (!before || !here || !after) return null;
@@ -79,19 +79,36 @@ function Wavelength({ nm }: { nm: number }) {
   const [ox, oy] = [dy / length, -dx / length];
   const [px, py] = [x(here[1]), y(here[2])];
   const anchor = ox < -0.5 ? "end" : ox > 0.5 ? "start" : "middle";
+  return { mark: `M${px} ${py}L${px + 5 * ox} ${py + 5 * oy}`, x: px + 9 * ox, y: py + 9 * oy + 4 + 4 * oy, anchor };
+}
+
+function Wavelength({ nm }: { nm: number }) {
+  const at = besideLocus(nm);
   return (
-    <>
-      <path class="axis" d={`M${px} ${py}L${px + 5 * ox} ${py + 5 * oy}`} />
-      <text class="scale" x={px + 9 * ox} y={py + 9 * oy + 4 + 4 * oy} text-anchor={anchor}>
-        {nm}
-      </text>
-    </>
+    at && (
+      <>
+        <path class="axis" d={at.mark} />
+        <text class="scale" x={at.x} y={at.y} text-anchor={at.anchor}>
+          {nm}
+        </text>
+      </>
+    )
   );
+}
+
+/** Returns the box of the label of a wavelength, for text of `size` times the normal size. */
+function boxOf(nm: number, size: number): Box[] {
+  const at = besideLocus(nm);
+  if (!at) return [];
+  const width = 3 * LETTER * size;
+  const left = at.x - (at.anchor === "end" ? width : at.anchor === "middle" ? width / 2 : 0);
+  return [{ left, right: left + width, top: at.y - 10 * size, bottom: at.y }];
 }
 
 /** From this factor of the text on, wavelengths beside the axis have no labels: they would cover its numbers. */
 const WIDE = 1.3;
 const BESIDE_AXIS_NM = [490, 500];
+const shownNm = (size: number): number[] => NAMED_NM.filter((nm) => size < WIDE || !BESIDE_AXIS_NM.includes(nm));
 
 function Axes({ size }: { size: number }) {
   const [us, vs] = [
@@ -123,7 +140,7 @@ function Axes({ size }: { size: number }) {
       <text class="scale" x={6} y={y(0.35) + 4}>
         v′
       </text>
-      {NAMED_NM.filter((nm) => size < WIDE || !BESIDE_AXIS_NM.includes(nm)).map((nm) => (
+      {shownNm(size).map((nm) => (
         <Wavelength key={nm} nm={nm} />
       ))}
     </g>
@@ -152,7 +169,7 @@ function Marks({ size }: { size: number }) {
     ...(light ? [{ name: "light", x: x(light.u_prime), y: y(light.v_prime) }] : []),
     ...shown.map(({ name, u, v }) => ({ name, x: x(u), y: y(v) })),
   ];
-  const names = placed(points, size);
+  const names = placed(points, size, [WIDTH, HEIGHT], shownNm(size).flatMap((nm) => boxOf(nm, size)));
   return (
     <g>
       {light && <path class="light-mark" d={`M${x(light.u_prime) - 6} ${y(light.v_prime)}h12m-6 -6v12`} />}
@@ -191,24 +208,25 @@ function Key({ size }: { size: number }) {
   const now = view.value;
   const [step, last] = [18 * size, gamut(pinnedView.value) ? 3 : 2];
   const top = Math.min(y(0.16), y(0.025) - step * last);
-  const line = (text: string, kind: string, at: number) => (
-    <g transform={`translate(${x(0.43) - 30 * size} ${top + step * at})`} key={kind}>
+  const percent = (key: "gamut_percent_srgb" | "gamut_percent_ebu", of: string) =>
+    typeof now?.[key] !== "number" ? of : `${withError(now[key], now.standard_error[key], 1)} % of ${of}`;
+  const lines: readonly (readonly [text: string, kind: string, at: number])[] = [
+    ...(gamut(now) ? [["display", "own", 0] as const] : []),
+    [percent("gamut_percent_srgb", "sRGB"), "srgb", 1],
+    [percent("gamut_percent_ebu", "EBU"), "ebu", 2],
+    ...(gamut(pinnedView.value) ? [[`compared, ${fixed(pinnedView.value?.gamut_percent_srgb, 1)} %`, "pinned-line", 3] as const] : []),
+  ];
+  const longest = Math.max(...lines.map(([text]) => text.length));
+  const left = Math.min(x(0.43) - 30 * size, WIDTH - 34 - LETTER * size * longest);
+  const line = ([text, kind, at]: (typeof lines)[number]) => (
+    <g transform={`translate(${left} ${top + step * at})`} key={kind}>
       <path class={kind} d="M0 -4H24" />
       <text class="key" x="31">
         {text}
       </text>
     </g>
   );
-  const percent = (key: "gamut_percent_srgb" | "gamut_percent_ebu", of: string) =>
-    typeof now?.[key] !== "number" ? of : `${withError(now[key], now.standard_error[key], 1)} % of ${of}`;
-  return (
-    <g>
-      {gamut(now) && line("display", "own", 0)}
-      {line(percent("gamut_percent_srgb", "sRGB"), "srgb", 1)}
-      {line(percent("gamut_percent_ebu", "EBU"), "ebu", 2)}
-      {gamut(pinnedView.value) && line(`compared, ${fixed(pinnedView.value?.gamut_percent_srgb, 1)} %`, "pinned-line", 3)}
-    </g>
-  );
+  return <g>{lines.map(line)}</g>;
 }
 
 /** Factors of the text of a small diagram: the largest, and that of its height on the screen. */

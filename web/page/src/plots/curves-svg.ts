@@ -7,7 +7,7 @@ import type { Plot } from "./curves.tsx";
 const SIZE = { width: 720, height: 420 } as const;
 const BOX = { left: 72, top: 16, right: 560, bottom: 362 } as const;
 
-const escaped = (text: string): string =>
+export const escaped = (text: string): string =>
   text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;").replaceAll('"', "&quot;");
 
 interface Scale {

@@ -120,7 +120,7 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
     },
     axes: [
       { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords), size: 30, space: 44 },
-      { ...axis((size.height < LOW && props.yShort) || props.yName, Boolean(props.log)), size: 56, space: 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
+      { ...axis((size.height < LOW && props.yShort) || props.yName, Boolean(props.log)), size: 56, space: size.height < LOW ? 16 : 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
     ],
     series: [
       {},

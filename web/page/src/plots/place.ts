@@ -26,15 +26,15 @@ export interface Placed extends Named {
   readonly from: readonly [number, number, number, number] | null;
 }
 
-interface Box {
-  left: number;
-  top: number;
-  right: number;
-  bottom: number;
+export interface Box {
+  readonly left: number;
+  readonly top: number;
+  readonly right: number;
+  readonly bottom: number;
 }
 
 /** Width of a character at the normal size, px of the drawing. */
-const LETTER = 6.3;
+export const LETTER = 6.3;
 const overlap = (a: Box, b: Box): number =>
   Math.max(0, Math.min(a.right, b.right) - Math.max(a.left, b.left)) *
   Math.max(0, Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
@@ -57,10 +57,10 @@ function candidate(point: Named, angle: number, distance: number, size: number):
   };
 }
 
-/** Returns positions for the names, for text of `size` times the normal size. */
-export function placed(points: readonly Named[], size: number): Placed[] {
+/** Returns positions for the names, for text of `size` times the normal size, inside a drawing of this width and height, beside other text. */
+export function placed(points: readonly Named[], size: number, [width, height]: readonly [number, number], others: readonly Box[] = []): Placed[] {
   const marks: Box[] = points.map(({ x, y }) => ({ left: x - 7, right: x + 7, top: y - 7, bottom: y + 7 }));
-  const taken: Box[] = [];
+  const taken: Box[] = [...others];
   return points.map((point) => {
     let best: { placed: Placed; box: Box; cost: number } | null = null;
     for (const distance of [10, 10 + 12 * size, 10 + 24 * size]) {
@@ -75,7 +75,7 @@ export function placed(points: readonly Named[], size: number): Placed[] {
           astray +
           distance +
           (turn === 0 ? 0 : turn === 4 ? 1 : 2) +
-          (one.box.left < 60 ? 200 : 0);
+          (one.box.left < 60 || one.box.top < 0 || one.box.right > width || one.box.bottom > height ? 200 : 0);
         if (!best || cost < best.cost) best = { ...one, cost };
       }
     }

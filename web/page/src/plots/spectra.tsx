@@ -9,7 +9,7 @@ import { LiveMark } from "../panels/aged.tsx";
 import { Downloads } from "../panels/downloads.tsx";
 import { result, shownState, states, title, view } from "../state/design.ts";
 import { hoverClass, hovered, pointsAt } from "../state/hover.ts";
-import { pinned, pinnedView } from "../state/pin.ts";
+import { pinned, pinnedName, pinnedView } from "../state/pin.ts";
 import { dark } from "../state/theme.ts";
 import { curvesSvg } from "./curves-svg.ts";
 import { Curves, type Curve, type Plot } from "./curves.tsx";
@@ -113,7 +113,7 @@ export function Spectra() {
             </li>
           ))}
           {hasPinned && (
-            <li class="pinned-key" title={pinned.value?.title}>
+            <li class="pinned-key" title={pinnedName.value}>
               <svg class="sample" viewBox="0 0 22 8" aria-hidden="true">
                 <path d="M0 4H22" stroke={pinnedLine().colour} stroke-width="2" stroke-dasharray={PINNED_DASH.join(" ")} />
               </svg>

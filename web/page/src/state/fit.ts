@@ -85,10 +85,17 @@ export function keep(): void {
   own.value = null;
 }
 
+/** What determines a fit, besides the design. */
+const inputs = computed(() => JSON.stringify([used.value.map((name) => fileIds.value[name]), variables.value]));
+const ranWith = signal("");
+/** Whether the last fit was one of the current files and variables. */
+export const isOfInputs = computed(() => ranWith.value === inputs.value);
+
 export async function run(): Promise<void> {
   if (!(await ready("fitted"))) return;
   fitted.begin(variables.value.flatMap(({ key, more }) => keysOfVariable({ ...more, key })));
   fittedTo.value = used.value;
+  ranWith.value = inputs.value;
   [progress.value, done.value] = [null, null];
   const ids = used.value.map((name) => fileIds.value[name]!);
   const work = { scenario: text.value, files: fileIds.value, measured: ids };

@@ -292,5 +292,7 @@ async function run(isResting: boolean): Promise<void> {
 /** Returns a file of the picture in full size, as `papilio image` and `papilio palette` write it. */
 export async function pictureFile(what: string): Promise<Blob> {
   if (!(await settled())) throw new Error("The design has a change that cannot be computed.");
-  return postForBlob("image/export", { ...wanted(), halftone: steps.value.length > 1 ? steps.value.at(-1) : halftone.value, what });
+  // Palettes need no states, whose search takes seconds.
+  const kind = what.startsWith("palette") ? "none" : steps.value.length > 1 ? steps.value.at(-1) : halftone.value;
+  return postForBlob("image/export", { ...wanted(), halftone: kind, what });
 }

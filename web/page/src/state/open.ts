@@ -1,12 +1,22 @@
 // Replacing the whole text: open, undo, redo. Pending changes are not lost.
 
-import { batch, computed } from "@preact/signals";
+import { batch, computed, signal } from "@preact/signals";
 
 import { draft, held, opening, pending, text } from "./design.ts";
 import { discard, edit, isRefused, isTyped, kick, replace } from "./live.ts";
 import { said } from "./said.ts";
 import { stepsOf, type Steps } from "./steps.ts";
 import { accepted, history, redone, undone } from "./undo.ts";
+
+/** The text that was opened last in this visit, or null. */
+const opened = signal<string | null>(null);
+
+/** The design with which a changed one is compared: as it was opened, or before the last change. */
+export const former = computed((): { readonly text: string; readonly words: string } | null => {
+  const before = opened.value ?? history.value.past.at(-1);
+  if (before === undefined || before === text.value || text.value === "") return null;
+  return { text: before, words: opened.value === null ? "before the last change" : "as opened" };
+});
 
 /** Applies the pending edits to their text, which becomes the draft; each gesture is an undo step. Returns false without a server. */
 async function write(): Promise<boolean> {
@@ -52,6 +62,7 @@ async function leave(): Promise<boolean> {
 export async function open(whole: string, file = "", name = file): Promise<boolean> {
   if (!(await leave())) return false;
   opening.value = name;
+  opened.value = whole;
   replace(whole, file);
   return true;
 }
@@ -76,6 +87,9 @@ export async function undo(): Promise<void> {
 export function redo(): void {
   if (!isNew.value) step(redone());
 }
+
+/** Forgets which design was opened: another one takes its place. */
+export const forgetOpened = (): void => void (opened.value = null);
 
 const step = (whole: string | null): void => {
   if (whole !== null) replace(whole);

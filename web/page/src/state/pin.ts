@@ -11,6 +11,7 @@ import { fileIds, sendFiles } from "./files.ts";
 import { exact } from "./live.ts";
 import { ready } from "./ready.ts";
 import { revisionOf, type Revision } from "./revision.ts";
+import { versions } from "./versions.ts";
 
 export interface Pinned {
   readonly title: string;
@@ -23,6 +24,12 @@ export interface Pinned {
 export const pinned = signal<Pinned | null>(null);
 export const pinnedView = computed<View | null>(
   () => pinned.value?.result.views[Math.min(viewIndex.value, pinned.value.result.views.length - 1)] ?? null,
+);
+
+/** The name of the pinned design: that of its version, or its title. */
+export const pinnedName = computed(
+  () =>
+    versions.value.find(({ text, files }) => revisionOf(text, files) === pinned.value?.revision)?.name ?? pinned.value?.title ?? "",
 );
 
 /** Whether the current design is the pinned one. */

@@ -14,7 +14,7 @@ import { gesture } from "./gesture.ts";
 import { forgetUnused } from "./keep.ts";
 import { isTyped, resume } from "./live.ts";
 import { mirrored } from "./mirror.ts";
-import { open } from "./open.ts";
+import { forgetOpened, open } from "./open.ts";
 import { pinned, repin, unpin } from "./pin.ts";
 import { said } from "./said.ts";
 import { history, resume as resumeSteps } from "./undo.ts";
@@ -112,6 +112,7 @@ function restore(work: Work): void {
   batch(() => {
     unpin();
     waitingPin.value = work.pinned;
+    forgetOpened();
     resumeSteps(work.past, work.present ?? work.text, work.future);
     resume(work);
     last = { ...work, ...now(), past: history.value.past, future: history.value.future, title: work.title };

@@ -10,6 +10,7 @@ import { present } from "./age.ts";
 import { fields, selected, text } from "./design.ts";
 import { fileIds } from "./files.ts";
 import { chosen } from "./numbers.ts";
+import { study as search } from "./optimize.ts";
 import { ownStudy } from "./own-study.ts";
 import { ready } from "./ready.ts";
 import { ageOfRun, type Revision } from "./revision.ts";
@@ -45,6 +46,20 @@ export function addTargets(): void {
   );
   const others = study.list("limits").filter((one) => !limits.some((limit) => limit["metric"] === one["metric"]));
   study.put("limits", [...others, ...limits]);
+}
+
+/** Variables and constraints of the search that is set up or in the scenario, as keys and limits; `isNew` if the analysis lacks any. */
+export const ofSearch = computed(() => {
+  const all = search.list("variables").map(keyOf).filter((key) => keys.value.includes(key) && !isVaried(key));
+  const known = study.list("limits").map((one) => one["metric"]);
+  const limits = search.list("constraints").filter((one) => !known.includes(one["metric"] ?? null));
+  return { keys: all, limits, isNew: all.length + limits.length > 0 };
+});
+
+export function addOfSearch(): void {
+  const { keys: all, limits } = ofSearch.value;
+  study.put("keys", [...study.list("keys"), ...all.map(keyFor)]);
+  study.put("limits", [...study.list("limits"), ...limits]);
 }
 
 export const progress = signal<ToleranceProgress | null>(null);

@@ -5,6 +5,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
+import { unzipSync } from "fflate";
 import type { Locator, Page } from "playwright-core";
 
 import { downloaded, ROOT, saved, settled, stage, type Stage } from "./stage.ts";
@@ -124,6 +125,17 @@ task("change a film and compare", async (user) => {
   await user.wait(page.locator('[data-column][aria-busy="false"]').nth(1));
 });
 
+task("compare with before after a change", async (user) => {
+  const { page } = user;
+  await user.press(page.locator('[data-part="display.pixel.film.1"]'));
+  await user.write(page.locator('[id="f-display.pixel.film.1.thickness_nm"]'), "9");
+  await user.press(page.getByRole("button", { name: "Compare with before" }));
+  await user.wait(page.locator('[data-figure="Contrast : 1"] .difference', { hasText: /from 23\.6/ }));
+  await user.press(page.getByRole("button", { name: "Side by side" }));
+  await user.wait(page.locator('[data-column="Indoor reading, as opened"][aria-busy="false"]'));
+  assert.deepEqual(await page.locator(".side-numbers thead tr").first().locator("th").allInnerTexts(), ["⤓", "Indoor reading, current", "Indoor reading, as opened"]);
+});
+
 task("find the best gap under a constraint, and its yield", async (user) => {
   const { page } = user;
   await user.tool("Improve", "Optimise");
@@ -139,8 +151,9 @@ task("find the best gap under a constraint, and its yield", async (user) => {
   await user.press(page.getByRole("button", { name: "Take this design" }));
   await settled(page);
   await user.tool("Improve", "Tolerance");
-  await user.press(page.getByRole("button", { name: /^Vary .*green/i }));
-  await user.press(page.getByRole("button", { name: /Take the targets/ }));
+  await user.press(page.getByRole("button", { name: "Take variables and constraints of the search" }));
+  assert.equal(await page.getByLabel("Key of tolerance 1").inputValue(), "display.pixel.gap_nm.green");
+  assert.equal(await page.getByLabel("Least value of Contrast ratio").inputValue(), "20");
   await user.press(page.getByRole("button", { name: "Analyse", exact: true }));
   await user.wait(page.locator('[data-figure="yield"]'), 400_000);
   assert.match(await page.locator('[data-figure="yield"]').innerText(), /\d %/);
@@ -170,6 +183,11 @@ task("show the display in sunlight and at the desk", async (user) => {
   for (const room of ["full-sun"]) await user.check(page.getByLabel(room, { exact: true }));
   for (const room of ["full-sun", "office"])
     await user.wait(page.locator(`[data-room="${room}"] figcaption`, { hasText: "contrast" }), 300_000);
+  const { bytes } = await downloaded(page, async () => {
+    await user.press(page.getByRole("button", { name: "Download rooms" }));
+    await user.take(page.locator('.menu [data-item="png"]'));
+  });
+  assert.equal(bytes.subarray(1, 4).toString(), "PNG");
   await user.press(page.locator('[data-room="full-sun"]').getByRole("button", { name: "Take this light" }));
   await user.wait(page.getByRole("button", { name: "Lighting preset: full-sun", exact: true }));
 });
@@ -197,4 +215,11 @@ task("hand a palette and a picture to a firmware engineer", async (user) => {
     user.waitedMs += Date.now() - from;
     assert.match(text, words, item);
   }
+  const { name, bytes } = await downloaded(page, async () => {
+    await user.press(page.getByRole("button", { name: "Download files of the picture" }));
+    await user.take(page.locator('.menu [data-item="all"]'));
+  });
+  assert.equal(name, "six-ink-electronic-paper-picture.zip");
+  const files = Object.keys(unzipSync(bytes));
+  assert.deepEqual(files.filter((one) => /^(states|frame|palette)/.test(one)).length, 7, files.join());
 });
