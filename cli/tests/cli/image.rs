@@ -435,7 +435,12 @@ fn texts_and_patterns_are_pictures() {
 /// What the panel cannot show of a pattern, here 96 x 64 pixels: a period below two pixels, and half of one that is wider than the panel.
 #[test]
 fn patterns_that_are_not_seen_are_warned_of() {
-    let panel = ["display.matrix.pitch_um=100", "display.matrix.pixels=[96,64]", "image.halftone=nearest"];
+    let panel = [
+        "display.glass.thickness_mm=0.5",
+        "display.matrix.pitch_um=100",
+        "display.matrix.pixels=[96,64]",
+        "image.halftone=nearest",
+    ];
     for (pattern, period_mm, part) in [
         ("stripes", 0.19, Some("is below two pixels (0.2 mm)")),
         ("stripes", 0.2, None),

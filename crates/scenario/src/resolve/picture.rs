@@ -373,14 +373,15 @@ fn hidden_pattern(
     let pitch = axes.clone().map(|k| pitch_mm[k]).fold(0.0, f64::max);
     let size = axes.map(|k| count[k] as f64 * pitch_mm[k]).fold(0.0, f64::max);
     let shown = format!("image.period_mm = {period_mm}");
+    let rounded = |mm: f64| (1e6 * mm).round() / 1e6;
     if period_mm < 2.0 * pitch * (1.0 - 1e-9) {
         let place = if pattern == TestPattern::Siemens { " of the star at its rim" } else { "" };
         Some(format!(
             "{shown} is below two pixels ({} mm): the pixels cannot show the period{place}, and have the mean of black and white or beats",
-            2.0 * pitch
+            rounded(2.0 * pitch)
         ))
     } else if pattern != TestPattern::Siemens && period_mm >= 2.0 * size {
-        Some(format!("half of {shown} is wider than the panel ({size} mm): all of it is black"))
+        Some(format!("half of {shown} is wider than the panel ({} mm): all of it is black", rounded(size)))
     } else {
         None
     }
