@@ -154,12 +154,8 @@ function PinnedPanel() {
           Stop comparing
         </button>
         <ContentContext.Provider value={{ age: liveAge.value }}>
-          <Downloads name="keys" table={keysTable}>
-            {" Keys"}
-          </Downloads>
-          <Downloads name="colours" table={coloursTable}>
-            {" Colours"}
-          </Downloads>
+          <Downloads name="keys" table={keysTable} isNamed />
+          <Downloads name="colours" table={coloursTable} isNamed />
         </ContentContext.Provider>
       </div>
       <Aged age={liveAge.value} count={resultCount.value}>

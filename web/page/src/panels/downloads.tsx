@@ -1,6 +1,5 @@
 // A menu that saves a table as CSV and a figure as SVG or PNG. What is saved belongs to the current design; the name of a file tells where not.
 
-import type { ComponentChildren } from "preact";
 import { useContext, useRef } from "preact/hooks";
 
 import { pngOf } from "../plots/picture.ts";
@@ -21,8 +20,8 @@ interface Props {
   /** The rows of the table, with a head; or the text of a CSV file. */
   table?: () => Maybe<Rows | string>;
   svg?: () => Maybe<string>;
-  /** The words of the button; an arrow, unless given. */
-  children?: ComponentChildren;
+  /** Whether the button shows its name beside the arrow. */
+  isNamed?: true;
 }
 
 /** Longest time to wait for what is being computed, and time between two looks at it, ms. */
@@ -50,7 +49,7 @@ async function settledAge(now: () => Age): Promise<Age> {
 }
 
 export function Downloads(props: Props) {
-  const { name, table, svg, children } = props;
+  const { name, table, svg, isNamed } = props;
   const content = useContext(ContentContext);
   const shown = useRef({ props, content });
   shown.current = { props, content };
@@ -83,8 +82,8 @@ export function Downloads(props: Props) {
     }
   };
   return (
-    <Menu class={children ? "download named" : "download"} label={`Download ${name}`} title={`Save as a file: ${name}`} items={items} choose={choose}>
-      ⤓{children}
+    <Menu class={isNamed ? "download named" : "download"} label={`Download ${name}`} title={`Save as a file: ${name}`} items={items} choose={choose}>
+      ⤓{isNamed && ` ${name}`}
     </Menu>
   );
 }

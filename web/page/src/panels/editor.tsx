@@ -99,7 +99,7 @@ export function Room() {
   return (
     <Menu
       class="room"
-      label={words ? `Lighting preset: ${words}` : "Lighting preset"}
+      title="Presets of light and viewer"
       items={PRESETS.value}
       chosen={now && !now.changed ? now.name : ""}
       choose={applyPreset}

@@ -116,9 +116,7 @@ export function RoomsPanel() {
       {rooms.length > 0 && (
         <div class="controls">
           <ContentContext.Provider value={{ age: rooms.every((room) => room in found.value) ? "current" : "before" }}>
-            <Downloads name="rooms" svg={() => figureOf(panel.current!, rooms, found.value)}>
-              {" Pictures"}
-            </Downloads>
+            <Downloads name="rooms" svg={() => figureOf(panel.current!, rooms, found.value)} isNamed />
           </ContentContext.Provider>
         </div>
       )}

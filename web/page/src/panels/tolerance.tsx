@@ -184,9 +184,7 @@ function Result({ of }: { of: ToleranceDone }) {
       </div>
       <p class="figure-tools">
         {of.tables.map(({ name, csv }) => (
-          <Downloads key={name} name={name} table={() => csv}>
-            {` ${name}.csv`}
-          </Downloads>
+          <Downloads key={name} name={name} table={() => csv} isNamed />
         ))}
       </p>
       {report.warnings.map((warning) => (

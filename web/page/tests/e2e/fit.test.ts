@@ -64,7 +64,7 @@ test("fit has the numbers of papilio fit, and the design takes them", { timeout:
   assert.equal(file.name, "a-panel-from-production-fitted.toml");
   assert.equal(file.text, own);
   await panel(page).getByRole("button", { name: "Take the fitted values" }).click();
-  await panel(page).locator(".age-mark", { hasText: "of an earlier design" }).waitFor();
+  await settled(page);
   const red = report.variables.find(({ key }) => key === RED)!.value;
   const taken = Number(/gap_nm = \{ red = ([\d.]+)/.exec(await saved(page))![1]);
   assert.ok(Math.abs(taken - red) < 1e-6, `${taken}: ${red}`);

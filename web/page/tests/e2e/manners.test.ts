@@ -139,7 +139,7 @@ test("moving through a menu selects nothing, and the focus returns to its button
   const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset["item"] ?? "");
   let downloads = 0;
   page.on("download", () => (downloads += 1));
-  for (const name of ["Lighting preset", "Add layer", "Add source", "Download files of the picture"]) {
+  for (const name of ["Light:", "Add layer", "Add source", "Download files of the picture"]) {
     const button = page.getByRole("button", { name });
     const items = await itemsOf(page, name);
     await button.focus();
@@ -163,7 +163,7 @@ test("moving through a menu selects nothing, and the focus returns to its button
     await page.keyboard.press("s");
     await page.keyboard.press("ArrowUp");
     // A menu with a current item opens at it: the design has the light of this preset.
-    assert.equal(await focused(), name === "Lighting preset" ? "indoor" : items.at(-1));
+    assert.equal(await focused(), name === "Light:" ? "indoor" : items.at(-1));
     await page.keyboard.press("Tab");
     assert.equal(await page.getByRole("menu").count(), 0);
   }
@@ -171,13 +171,13 @@ test("moving through a menu selects nothing, and the focus returns to its button
   assert.equal(await saved(page), scenario);
 
   // Enter and Space select.
-  await page.getByRole("button", { name: "Lighting preset" }).focus();
+  await page.getByRole("button", { name: "Light:" }).focus();
   await page.keyboard.press("Enter");
   await page.keyboard.press("s");
   const room = await focused();
   assert.match(room, /^s/);
   await page.keyboard.press("Space");
-  const chosen = page.getByRole("button", { name: `Lighting preset: ${room}` });
+  const chosen = page.getByRole("button", { name: `Light: ${room}` });
   await chosen.waitFor();
   assert.ok(await chosen.evaluate((e) => e === document.activeElement), "the focus returns to the button of the menu");
   assert.match(await saved(page), new RegExp(`preset = "${room}"`));

@@ -234,12 +234,12 @@ test("errors of the text are marked at their lines, and a button goes there", as
 
 test("label of the lighting preset says whether it was changed", async () => {
   const page = await on.visit();
-  await page.getByRole("button", { name: "Lighting preset: indoor" }).waitFor();
-  await choose(page, "Lighting preset", "sunny");
-  await page.getByRole("button", { name: "Lighting preset: sunny", exact: true }).waitFor();
+  await page.getByRole("button", { name: "Light: indoor" }).waitFor();
+  await choose(page, "Light:", "sunny");
+  await page.getByRole("button", { name: "Light: sunny", exact: true }).waitFor();
   await page.locator('[data-handle="lighting.directed.0.theta_deg"]').focus();
   await page.keyboard.press("ArrowLeft");
-  await page.getByRole("button", { name: "Lighting preset: sunny, changed" }).waitFor();
+  await page.getByRole("button", { name: "Light: sunny, changed" }).waitFor();
 });
 
 /** Saves items of a download menu. */

@@ -121,8 +121,8 @@ test("every model of diffuser and pixel and every preset computes", { timeout: 1
     await page.locator('[id="f-display.pixel-model"]').selectOption(model);
     await computes(page, model);
   }
-  for (const preset of await itemsOf(page, /^Lighting preset/)) {
-    await choose(page, /^Lighting preset/, preset);
+  for (const preset of await itemsOf(page, /^Light:/)) {
+    await choose(page, /^Light:/, preset);
     await computes(page, preset);
   }
   // A source of the preset can be moved like any other.

@@ -223,7 +223,7 @@ test("published sample is predicted, and rooms show the page in other light", { 
   await tool(page, "rooms");
   await page.locator('[data-room="sunny"] figcaption', { hasText: "contrast" }).waitFor({ timeout: 120_000 });
   await page.locator('[data-room="sunny"]').getByRole("button", { name: "Take this light" }).click();
-  await page.getByRole("button", { name: "Lighting preset: sunny", exact: true }).waitFor();
+  await page.getByRole("button", { name: "Light: sunny", exact: true }).waitFor();
   assert.deepEqual(on.complaints, []);
 });
 

@@ -189,7 +189,7 @@ task("show the display in sunlight and at the desk", async (user) => {
   });
   assert.equal(bytes.subarray(1, 4).toString(), "PNG");
   await user.press(page.locator('[data-room="full-sun"]').getByRole("button", { name: "Take this light" }));
-  await user.wait(page.getByRole("button", { name: "Lighting preset: full-sun", exact: true }));
+  await user.wait(page.getByRole("button", { name: "Light: full-sun", exact: true }));
 });
 
 task("hand a palette and a picture to a firmware engineer", async (user) => {
