@@ -104,8 +104,8 @@ fn transparent_pixels_of_openexr_lie_on_white() {
     near(seen[2][2], 1.0891, 1e-3);
     expected.iter().zip(&seen).for_each(|(expected, seen)| near(seen[1], *expected, 1e-6));
     // 4 and 1/4, of which half is covered: 0.72 and 0.045 on the curve.
-    let scene = |at: usize| if at % 2 == 0 { 4.0 } else { 0.25 * 0.5 };
-    let cover = |at: usize| if at % 2 == 0 { 1.0 } else { 0.5 };
+    let scene = |at: usize| if at.is_multiple_of(2) { 4.0 } else { 0.25 * 0.5 };
+    let cover = |at: usize| if at.is_multiple_of(2) { 1.0 } else { 0.5 };
     let (seen, warnings) = found(&[("A", &cover), ("Y", &scene)]);
     near(seen[0][1], 0.72, 1e-6);
     near(seen[1][1], 0.5 * 0.045 + 0.5, 1e-6);
