@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::arguments::ImageCommand;
 use crate::frame::{self, Frame, FrameRequest};
 use crate::numbers::measured;
-use crate::palette::{room, warn_of_rooms};
+use crate::palette::room;
 use crate::pictures::Shown;
 use crate::spatial::{SpatialOutput, compute_files, show, title};
 use crate::{Failure, costs, report};
@@ -106,7 +106,8 @@ impl<'a> Request<'a> {
         for (name, room) in &rooms {
             warn_of_room(&mut here.numbers.warnings, name, &room.numbers.warnings);
         }
-        warn_of_rooms(&mut here.numbers.warnings, &self.rooms, &self.resolved);
+        let resolved = self.rooms.iter().map(|(name, room)| (name.as_str(), room));
+        self.resolved.warn_of_rooms(resolved, &mut here.numbers.warnings);
         let frame = self.frame.as_ref().map(|frame| frame.frame(&here, self.title.clone()));
         let picture = if rooms.is_empty() { Vec::new() } else { on_screen(source, here.samples_per_pixel) };
         Ok(ImageOutput { picture, rooms, here, device_colours: self.arguments.device_colours, frame })

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use papilio_display::image::ScreenWhite;
-use papilio_display::palette::{PaletteResult, warn_of_room};
+use papilio_display::palette::PaletteResult;
 use papilio_formats::{TitledFile, files_of_palette, light_and_view, write_file};
 use papilio_scenario::{Resolved, illuminant_sheet, preset_names};
 use serde::Serialize;
@@ -26,17 +26,9 @@ pub(crate) fn palette(arguments: &PaletteCommand) -> Result<(), Failure> {
     let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.scene)).collect();
     show(command, &resolved, |control| {
         let mut result = papilio_display::palette::palette(&resolved.scene, &scenes, control)?;
-        warn_of_rooms(&mut result.warnings, &rooms, &resolved);
+        resolved.warn_of_rooms(rooms.iter().map(|(name, room)| (name.as_str(), room)), &mut result.warnings);
         Ok(PaletteOutput { result, white: arguments.relative_to.into(), title: title(command, &resolved) })
     })
-}
-
-/// Adds the warnings of scenarios in the light of rooms that the scenario itself does not have.
-pub(crate) fn warn_of_rooms(warnings: &mut Vec<String>, rooms: &[(String, Resolved)], here: &Resolved) {
-    for (name, room) in rooms {
-        let new = room.warnings.iter().filter(|one| !here.warnings.contains(one)).cloned();
-        warn_of_room(warnings, name, &new.collect::<Vec<_>>());
-    }
 }
 
 /// Refuses names of rooms that are empty or given twice.

@@ -153,7 +153,7 @@ def palette(
 
     Raises:
         ScenarioError: for mistakes in the scenario, and more than one view, with their places.
-        ArgumentError: if ``rooms`` is one text.
+        ArgumentError: if ``rooms`` is one text or has a room twice.
         KeyboardInterrupt: on Ctrl-C.
 
     Warns:
@@ -167,6 +167,10 @@ def palette(
     one_of("relative_to", relative_to, ("white", "display"))
     if isinstance(rooms, str):
         raise ArgumentError(f"rooms: it is the text {rooms!r} (expected a list of texts)")
+    names = list(rooms)
+    twice = [name for at, name in enumerate(names) if name in names[:at]]
+    if twice:
+        raise ArgumentError(f"rooms: {twice[0]!r} is given twice (expected each room once)")
     changed = read(scenario, set)
     scene = changed._scene()
     presets = preset_names()
@@ -176,7 +180,7 @@ def palette(
         light: Any = {"lighting": {"preset": name}} if name in presets else {"lighting.spectrum": name}
         return changed.with_values(light | {f"viewer.{key}": value for key, value in view.items()})._scene()
 
-    there = [(name, room(name)) for name in rooms]
+    there = [(name, room(name)) for name in names]
     with reporting(progress, "views") as tell:
         core = _papilio.Palette(scene, there, changed.title, checked_threads(threads), tell)
     warned = _messages.merged(scene.warnings, core.warnings())

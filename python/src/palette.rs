@@ -1,7 +1,7 @@
 //! The palette of a display: the content of the files of `papilio palette`.
 
 use papilio_display::image::ScreenWhite;
-use papilio_display::palette::{PaletteResult, palette, warn_of_room};
+use papilio_display::palette::{PaletteResult, palette};
 use papilio_formats::{TitledFile, files_of_palette};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -35,10 +35,10 @@ impl Palette {
         let scenes: Vec<_> = rooms.iter().map(|(name, room)| (name.clone(), &room.get().of.scene)).collect();
         let mut of =
             computed(py, resolved, threads, progress, |control| palette(&resolved.scene, &scenes, control))?;
-        for (name, room) in &rooms {
-            let new = room.get().of.warnings.iter().filter(|one| !resolved.warnings.contains(one)).cloned();
-            warn_of_room(&mut of.warnings, name, &new.collect::<Vec<_>>());
-        }
+        resolved.warn_of_rooms(
+            rooms.iter().map(|(name, room)| (name.as_str(), &*room.get().of)),
+            &mut of.warnings,
+        );
         resolved.warn_before(&mut of.warnings);
         let json = text(&TitledFile {
             papilio: env!("CARGO_PKG_VERSION"),

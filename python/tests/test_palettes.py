@@ -33,6 +33,8 @@ def test_mistakes_are_named(scenarios: Path) -> None:
     file = scenarios / "six-ink.toml"
     with pytest.raises(papilio.ArgumentError, match="rooms: it is the text 'office'"):
         papilio.palette(file, rooms="office")
+    with pytest.raises(papilio.ArgumentError, match="rooms: 'office' is given twice"):
+        papilio.palette(file, rooms=["office", "FL11", "office"])
     with pytest.raises(papilio.ArgumentError, match="relative_to"):
         papilio.palette(file, relative_to="paper")  # type: ignore[arg-type]
     with pytest.raises(papilio.ScenarioError, match="Offce"):

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use papilio_diagnostics::Diagnostic;
 use papilio_display::image::SourceImage;
 use papilio_display::note_of_places;
+use papilio_display::palette::warn_of_room;
 use papilio_display::scene::Scene;
 use papilio_display::spatial::{Antiglare, Patterns};
 use papilio_formats::{DataFile, FormatError, LARGEST_PICTURE_FILE, Problem, picture_format};
@@ -338,6 +339,19 @@ impl Resolved {
     /// Inserts the warnings of the scenario before those of its result: a result that is written has all of them.
     pub fn warn_before(&self, of_result: &mut Vec<String>) {
         of_result.splice(0..0, self.warnings.iter().cloned());
+    }
+
+    /// Adds the warnings of the scenario in the light of rooms, by their names, that it does not have in its own light.
+    pub fn warn_of_rooms<'a>(
+        &self,
+        rooms: impl IntoIterator<Item = (&'a str, &'a Self)>,
+        of_result: &mut Vec<String>,
+    ) {
+        for (name, room) in rooms {
+            let new: Vec<_> =
+                room.warnings.iter().filter(|one| !self.warnings.contains(one)).cloned().collect();
+            warn_of_room(of_result, name, &new);
+        }
     }
 
     /// The notes, with that on results that depend on places.

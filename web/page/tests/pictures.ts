@@ -77,7 +77,7 @@ await settled(page);
 await page.locator(".tabs").screenshot({ path: to("walk") });
 
 // An uploaded measured diffuser.
-await page.setViewportSize({ width: 1440, height: 1900 });
+await page.setViewportSize({ width: 1440, height: 1060 });
 await page.locator("input[type=file]").first().setInputFiles(join(ROOT, "scenarios/data/H65.bsdf"));
 await page.locator(".file .words").waitFor({ timeout: 60_000 });
 await settled(page);

@@ -40,7 +40,8 @@ pub(super) fn window(header: &Header, shape: Shape) -> Result<Window, Diagnostic
 pub(super) fn place(
     header: &Header,
     shape: Shape,
-    (channels, rest): (&mut [MapChannel], &str),
+    channels: &mut [MapChannel],
+    rest: &str,
     notes: &mut Vec<String>,
 ) -> Result<(usize, usize), Diagnostic> {
     let (data, display) = (data_window(header), header.shared_attributes.display_window);
@@ -64,7 +65,7 @@ pub(super) fn place(
         }
         Window::Display if data == display => Ok((data.size.0, data.size.1)),
         Window::Display => {
-            let outside = moved(data, display, (channels, rest));
+            let outside = moved(data, display, channels, rest);
             let is_map = if shape == Shape::Sphere { ", which is the whole sphere" } else { "" };
             notes.push(format!("the data window differs from the display window{is_map}: {outside}"));
             Ok((display.size.0, display.size.1))
@@ -74,7 +75,7 @@ pub(super) fn place(
 
 /// Moves pixels of the data window to the display window; returns in words what is missing and what is cut
 /// off.
-fn moved(data: IntegerBounds, display: IntegerBounds, (channels, rest): (&mut [MapChannel], &str)) -> String {
+fn moved(data: IntegerBounds, display: IntegerBounds, channels: &mut [MapChannel], rest: &str) -> String {
     let Vec2(width, height) = display.size;
     let off = |at: i32, from: i32| i64::from(at) - i64::from(from);
     let (right, down) = (off(data.position.0, display.position.0), off(data.position.1, display.position.1));

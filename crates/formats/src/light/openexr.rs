@@ -38,7 +38,7 @@ pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<LinearLight, Diagnostic
         image.layer_data.into_iter().nth(part).map(|layer| layer.channel_data.list).unwrap_or_default();
     let opacity = set.opacity().filter(|_| shape == Shape::Picture);
     let opacity = opacity.filter(|name| list.iter().any(|channel| channel.name == *name.as_str()));
-    unused(headers, part, (&set, opacity.as_deref()), &mut notes);
+    unused(headers, part, &set, opacity.as_deref(), &mut notes);
     let sizes = |channel: &AnyChannel<FlatSamples>| channel.sample_data.len() == header.layer_size.area();
     if !list.iter().all(sizes) {
         return Err(other_channels(headers));
@@ -53,7 +53,7 @@ pub(super) fn read(bytes: &[u8], shape: Shape) -> Result<LinearLight, Diagnostic
     let has_opacity = opacity.is_some();
     channels.extend(opacity);
     let rest = if has_opacity { "transparent" } else { "dark" };
-    let (width, height) = place(header, shape, (&mut channels, rest), &mut notes)?;
+    let (width, height) = place(header, shape, &mut channels, rest, &mut notes)?;
     let opacity = if has_opacity { channels.pop().map(|channel| channel.radiance) } else { None };
     meaning(header, shape, &set, &mut channels, &mut notes);
     let primaries = if matches!(set, ChannelSet::Xyz(_)) { Some(XYZ) } else { primaries };
@@ -104,12 +104,7 @@ fn other_channels(headers: &[Header]) -> Diagnostic {
 }
 
 /// Notes parts and channels that are not used.
-fn unused(
-    headers: &[Header],
-    part: usize,
-    (set, opacity): (&ChannelSet, Option<&str>),
-    notes: &mut Vec<String>,
-) {
+fn unused(headers: &[Header], part: usize, set: &ChannelSet, opacity: Option<&str>, notes: &mut Vec<String>) {
     let used = set.names();
     let left = headers[part].channels.list.iter().map(|channel| channel.name.to_string());
     let left: Vec<String> =

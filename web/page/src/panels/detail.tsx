@@ -3,7 +3,6 @@
 
 import type { Detailed } from "../api/types.ts";
 import { digits, NONE } from "../model/format.ts";
-import { mendOf } from "../model/mends.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { detailCommand } from "../state/choices.ts";
 import { detailNow } from "../state/commands.ts";
@@ -11,11 +10,10 @@ import { states } from "../state/design.ts";
 import { useFollowed } from "../state/follow.ts";
 import { startJob } from "../state/jobs.ts";
 import { labelText } from "../state/labels.ts";
-import { edit } from "../state/live.ts";
 import { Aged } from "./aged.tsx";
 import { Downloads } from "./downloads.tsx";
 import { AsJob } from "./jobs.tsx";
-import { Problems } from "./problems.tsx";
+import { Addition, Problems } from "./problems.tsx";
 
 /** Time without changes after which the figures are requested, ms. */
 const REST_MS = 300;
@@ -139,17 +137,10 @@ function Shown({ of, kind }: { of: Detailed; kind: Kind }) {
 function Follow({ kind }: { kind: Kind }) {
   const now = useFollowed<Detailed>("detail/follow", { command: kind.command }, REST_MS, undefined, { streams: true });
   const isWaiting = (!now.value || now.age !== "current") && now.problems.length === 0;
-  const mend = mendOf(now.problems);
   return (
     <>
       <Problems of={now.problems} />
-      {mend && (
-        <p class="mend">
-          <button type="button" class="run" onClick={() => edit(mend.edits)}>
-            Add {mend.words}
-          </button>
-        </p>
-      )}
+      <Addition of={now.problems} />
       {isWaiting && (
         <p class="controls" role="status" data-phase={now.isCancelled ? "cancelled" : "running"}>
           {now.isCancelled ? (

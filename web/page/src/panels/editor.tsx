@@ -5,7 +5,6 @@ import { CellStates } from "../fields/cell-states.tsx";
 import { Elsewhere, Field, Form } from "../fields/form.tsx";
 import { CRYSTAL_KINDS, crystalParts, isCrystal, STACK } from "../model/crystal.ts";
 import { KINDS } from "../model/kinds.ts";
-import { mendOf } from "../model/mends.ts";
 import { films, layers, MODELS } from "../model/stack.ts";
 import { firstError, isFaded, liveAge } from "../state/age.ts";
 import { answer, draft, draftName, fields, pending, problems, selected } from "../state/design.ts";
@@ -13,7 +12,7 @@ import { discard, edit } from "../state/live.ts";
 import { wanted } from "../state/ready.ts";
 import { at, keysOf, listAt, textAt } from "../model/json.ts";
 import { Menu } from "./menu.tsx";
-import { Mends } from "./problems.tsx";
+import { Addition, Mends } from "./problems.tsx";
 import { StatesEditor } from "./states.tsx";
 import { facesOf } from "../model/surface.ts";
 import { showLayer } from "../state/surface.ts";
@@ -165,7 +164,6 @@ function Refusal() {
   if (problems.value.length === 0) return null;
   const waiting = pending.value.length + (draft.value === null ? 0 : 1);
   const changes = pending.value.slice(-2).map(wanted).join(", ");
-  const mend = draft.value === null ? mendOf(problems.value) : null;
   return (
     <div class="refusal">
       <p>
@@ -183,11 +181,7 @@ function Refusal() {
       <Elsewhere />
       <div class="mend">
         <Mends of={problems.value} />
-        {mend && (
-          <button type="button" class="run" onClick={() => edit(mend.edits)}>
-            Add {mend.words}
-          </button>
-        )}
+        {draft.value === null && <Addition of={problems.value} />}
         {waiting > 0 && (
           <button type="button" onClick={discard}>
             Discard

@@ -7,7 +7,6 @@ import { hex, times, type Triple } from "../model/colour.ts";
 import { degrees, digits, plain } from "../model/format.ts";
 import { halftoneName, HALFTONES, isStated } from "../model/halftones.ts";
 import { at, isTable, listAt } from "../model/json.ts";
-import { mendOf } from "../model/mends.ts";
 import { camera, fitting } from "../model/perspective.ts";
 import { D65, onScreen, PAPER, SCREEN_REFLECTANCE, type ScreenLight, type White } from "../model/seen.ts";
 import { AGE } from "../model/glare.ts";
@@ -35,13 +34,13 @@ import {
   zoom,
   zoomBy,
 } from "../state/image.ts";
-import { edit, set } from "../state/live.ts";
+import { set } from "../state/live.ts";
 import { said } from "../state/said.ts";
 import { FileButton } from "./choose.tsx";
 import { fileName } from "./file-name.ts";
 import { Display, imageClass, useDrawing } from "./image-display.tsx";
 import { Menu, type Item } from "./menu.tsx";
-import { Problems } from "./problems.tsx";
+import { Addition, Problems } from "./problems.tsx";
 import { save } from "./save.ts";
 import { usePicture } from "./stage.tsx";
 import { NumberBox } from "./study-parts.tsx";
@@ -325,17 +324,10 @@ function Legend() {
 
 export function ImagePanel() {
   usePicture();
-  const mend = mendOf(imageProblems.value);
   return (
     <section class="seen" aria-label="Picture">
       <Problems of={imageProblems.value} />
-      {mend && (
-        <p class="mend">
-          <button type="button" class="run" onClick={() => edit(mend.edits)}>
-            Add {mend.words}
-          </button>
-        </p>
-      )}
+      <Addition of={imageProblems.value} />
       <div class="seen-all">
         <Display />
         <div class={`beside${imageClass()}`}>

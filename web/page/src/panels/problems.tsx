@@ -3,9 +3,10 @@
 
 import type { Problem } from "../api/types.ts";
 import { plain } from "../model/format.ts";
+import { mendOf } from "../model/mends.ts";
 import { words } from "../model/words.ts";
 import { labelOf } from "../state/labels.ts";
-import { set } from "../state/live.ts";
+import { edit, set } from "../state/live.ts";
 import { computeByMonteCarlo, isOfNow, progress, rescue } from "../state/rescue.ts";
 
 /** Returns the label of the button that sets a key to a value. */
@@ -49,6 +50,20 @@ function Mend({ of }: { of: Problem }) {
         {offer(path, accepted)}
       </button>
     </span>
+  );
+}
+
+/** The button that adds what errors say is missing, such as the thickness of the glass; nothing where that is not known. */
+export function Addition({ of }: { of: readonly Problem[] }) {
+  const mend = mendOf(of);
+  return (
+    mend && (
+      <span class="mend">
+        <button type="button" class="run" onClick={() => edit(mend.edits)}>
+          Add {mend.words}
+        </button>
+      </span>
+    )
   );
 }
 
