@@ -242,6 +242,11 @@ fn path_in_set_is_relative_to_the_current_folder() {
         "{err}"
     );
     assert!((here - there).abs() < 1e-12, "{here} {there}");
+    // The current folder may be the scenario's, however its path is written.
+    let scenario = designs.join("s.toml");
+    let set = format!("{key}=Cr-there.csv");
+    let (_, err) = done(&designs, &["run", scenario.to_str().unwrap(), "--json", "--set", &set]);
+    assert!(!err.contains("current folder"), "{err}");
     let says = refused(folder.path(), &["run", "designs/s.toml", "--set", &format!("{key}=mine/none.csv")]);
     assert!(says.contains("tried mine/none.csv and designs/mine/none.csv"), "{says}");
     // In the file, the path begins at its folder; the message states the path that was tried, and the right

@@ -46,7 +46,13 @@ fn files_and_figures_are_written() {
         "{said}"
     );
     let json: Value = serde_json::from_slice(&fs::read(folder.path().join("sparkle.json")).unwrap()).unwrap();
-    assert_eq!(json["warnings"].as_array().unwrap().len(), 1);
+    let warnings = json["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), 2);
+    // A standard deviation of two normal numbers is uncertain by 1/sqrt 2.
+    assert!(
+        warnings[1].as_str().unwrap().contains("2 random faces, and are themselves uncertain by 71 %"),
+        "{warnings:?}"
+    );
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(table.contains("by the matrix, %"), "{table}");
 }

@@ -478,6 +478,7 @@ fn compact_sweep_has_the_numbers_of_a_full_one() {
     }
     for (metrics, words) in [
         ("[]", "at least one item"),
+        ("[\"white.Y\", \"contrast_ratio\", \"white.Y\"]", "`white.Y` is in this list twice"),
         ("[\"white.L_star\"]", "does not compute `contrast_ratio`, only white.L_star"),
     ] {
         let set = format!("sweep.metrics={metrics}");

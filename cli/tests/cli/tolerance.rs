@@ -353,6 +353,11 @@ fn mistakes_are_reported_with_their_place() {
             &["s.toml:35:17", "`gaps` is in this list twice"],
         ),
         (
+            "[tolerance]\n",
+            "[tolerance]\nmetrics = [\"white.Y\", \"white.Y\"]\n",
+            &["s.toml:20:23", "`white.Y` is in this list twice"],
+        ),
+        (
             "coefficient = -0.5\n",
             "coefficient = -0.5\n[[tolerance.correlations]]\nkeys = [\"absorber\", \"gaps\"]\ncoefficient = 0.4\n",
             &[

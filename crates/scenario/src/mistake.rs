@@ -2,6 +2,8 @@
 //!
 //! A mistake is a [`Diagnostic`]. Messages that are used once are written where the mistake is found.
 
+use std::collections::HashSet;
+
 use papilio_diagnostics::{Diagnostic, Remedy, did_you_mean, nearest, number, quoted, suggestion};
 use papilio_display::scene::Metric;
 use papilio_formats::FormatError;
@@ -9,6 +11,9 @@ use papilio_goniometry::GoniometryError;
 use papilio_spectra::{
     SpectraError, illuminant_names, illuminants_called, material_names, materials_called, named_daylight_k,
 };
+
+use crate::error::Errors;
+use crate::origin::Origin;
 
 /// Kind of a mistake, for programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -365,6 +370,17 @@ pub(crate) fn no_glyphs(missing: &[char]) -> Diagnostic {
 /// An item of a list that it has before.
 pub(crate) fn listed_twice(item: &str) -> Diagnostic {
     Diagnostic::new(format!("{item} is in this list twice")).hint("remove one of them")
+}
+
+/// Adds an error for each name that a list contains again.
+pub(crate) fn each_once(names: impl IntoIterator<Item = (String, Origin)>, errors: &mut Errors) {
+    let mut seen = HashSet::new();
+    for (name, origin) in names {
+        if seen.contains(&name) {
+            errors.push(origin, listed_twice(&format!("`{name}`")));
+        }
+        seen.insert(name);
+    }
 }
 
 /// Numbers with a wrong sum.

@@ -258,6 +258,13 @@ fn is_sound(sweep: &Described, errors: &mut Errors) -> bool {
         errors.push(sweep.metrics.origin, mistake::empty_list());
         return false;
     }
+    let metrics = sweep.metrics.value.iter().flatten().map(|name| (name.text(), name.origin));
+    mistake::each_once(metrics, errors);
+    // --metrics sets both lists.
+    if !errors.is_empty() {
+        return false;
+    }
+    mistake::each_once(sweep.figures.iter().map(|name| (name.value.clone(), name.origin)), errors);
     if sweep.axes.is_empty() {
         errors.push(sweep.axes.origin, mistake::empty_list());
         return false;

@@ -338,10 +338,13 @@ fn columns(
     });
     let limits = limits.collect();
     match &read.metrics.value {
-        Some(named) => named.iter().for_each(|name| {
-            has_state(name, &states, errors);
-            column(name, 0);
-        }),
+        Some(named) => {
+            named.iter().for_each(|name| {
+                has_state(name, &states, errors);
+                column(name, 0);
+            });
+            mistake::each_once(named.iter().map(|name| (name.text(), name.origin)), errors);
+        }
         None => REPORTED.iter().filter_map(|text| MetricName::named(text)).for_each(|name| {
             if name.state.as_ref().is_none_or(|state| states.contains(state)) {
                 column(&name, 0);

@@ -27,6 +27,10 @@ use crate::{DisplayError, Prepared, RowErrors};
 /// Target of scenes that specify a number of paths instead of an error.
 const DEFAULT_TARGET: f64 = 1e-3;
 
+/// The warning of a scene with another observer.
+const OF_1931: &str =
+    "the colours of the maps are those of the CIE 1931 observer, and not of metrics.observer";
+
 /// Returns the relative error to which tables and maps of a scene are computed.
 pub(super) fn target(scene: &Scene) -> f64 {
     match scene.solver.stop {
@@ -105,7 +109,11 @@ impl Prepared {
             finest: finest(setup)?,
             angle_index: angle_index(scene)?,
         };
-        survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))
+        let mut maps = survey.run(pool).unwrap_or(Err(DisplayError::Interrupted))?;
+        if scene.metrics.observer != Standard::Cie1931 {
+            maps.warnings.push(OF_1931.to_owned());
+        }
+        Ok(maps)
     }
 }
 

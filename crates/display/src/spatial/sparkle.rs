@@ -14,7 +14,7 @@ use papilio_colour::Observer;
 use papilio_colour::reader::contrast_sensitivity;
 use papilio_optics::Beta;
 use papilio_sparkle::{
-    Deflection, Effort, Face, Matrix, Panel, Pixel, PixelLight, Plan, Pupil, Room, Source, Window,
+    Deflection, Effort, Extent, Face, Matrix, Panel, Pixel, PixelLight, Plan, Pupil, Room, Source, Window,
     band_contrast, closed,
 };
 use papilio_spectra::Spectrum;
@@ -51,6 +51,9 @@ const PIXELS: usize = 1024;
 /// The same for a first answer, and its largest number of replicates: the relative standard error of a PPD is about 10 %.
 const FIRST_PIXELS: usize = 48;
 const FIRST_REPLICATES: usize = 4;
+
+/// Fewer replicates give standard errors that are uncertain by more than 18 %.
+const FEW: usize = 16;
 
 /// An antiglare face, and how its sparkle is estimated.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,7 +178,16 @@ pub fn sparkle(
     face: &Antiglare,
     control: &Control<'_>,
 ) -> Result<SparkleResult, DisplayError> {
-    estimate(scene, face, PIXELS, control)
+    let mut result = estimate(scene, face, PIXELS, control)?;
+    if face.replicates < FEW && face.faces.iter().any(|face| matches!(face.extent(), Extent::Drawn)) {
+        result.warnings.push(format!(
+            "the standard errors are from the scatter of sparkle.replicates = {} random faces, and are themselves uncertain by {:.0} %: \
+             {FEW} or more give those of a normal distribution",
+            face.replicates,
+            100.0 / (2.0 * (face.replicates - 1) as f64).sqrt()
+        ));
+    }
+    Ok(result)
 }
 
 /// Computes a first answer: the first view, gap and face, with few pixels. Its standard errors are large.

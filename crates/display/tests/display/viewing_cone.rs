@@ -45,6 +45,7 @@ fn maps_and_runs_of_one_preparation_equal_those_of_two() {
     let first = format!("{:?}", prepared.run(&scene, &control).unwrap());
     let maps = prepared.cone(&scene, grid.clone(), &control).unwrap();
     assert!(format!("{maps:?}") == format!("{:?}", cone(&scene, grid, &control).unwrap()));
+    assert!(maps.warnings.iter().any(|warning| warning.contains("CIE 1931 observer")), "{:?}", maps.warnings);
     assert!(format!("{:?}", prepared.run(&scene, &control).unwrap()) == first);
 }
 

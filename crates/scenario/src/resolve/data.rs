@@ -55,9 +55,14 @@ impl Resolver<'_> {
     fn note_folder(&mut self, name: &str, origin: Origin) {
         let Library::Folder(folder) = self.library else { return };
         let used = folder.join(name);
-        // A path from the current folder was replaced by one that is not in the text.
+        // A path from the current folder was replaced by one that is not in the text, unless that is the folder of the scenario.
         let is_replaced = !self.sources.text(origin.source).contains(name);
-        if self.is_set(origin) && !is_replaced && used != Path::new(name) {
+        let is_here = || {
+            Path::new(name)
+                .canonicalize()
+                .is_ok_and(|here| used.canonicalize().is_ok_and(|used| used == here))
+        };
+        if self.is_set(origin) && !is_replaced && used != Path::new(name) && !is_here() {
             let used = used.display();
             let note = format!(
                 "there is no {name} in the current folder, so --set uses that in the folder of the scenario, {used}"

@@ -1,8 +1,9 @@
 //! `[viewer]`: the views.
 
-use std::collections::HashSet;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
-use papilio_diagnostics::Diagnostic;
+use papilio_diagnostics::{Diagnostic, number};
 use papilio_display::scene::Viewer;
 
 use super::Resolver;
@@ -54,6 +55,7 @@ impl Resolver<'_> {
             let at = field.or_override([viewer.theta_deg.origin]);
             self.errors.push(at, mistake::below_horizon("cone", reach, ["theta_deg", half]));
         }
+        self.note_equal_directions(&theta_deg, &phi_deg);
         let distance_mm = viewer.distance_mm.0;
         let polariser_deg = viewer.polariser.as_ref().map(|polariser| match polariser {
             Polariser::Angle(angle) => angle.0,
@@ -68,6 +70,35 @@ impl Resolver<'_> {
             polariser_deg,
             distance_mm,
         })
+    }
+
+    /// Adds a note if views have one direction: phi 0 and 360 deg, or theta -30 and 30 deg at phi 0 and 180 deg.
+    fn note_equal_directions(&mut self, theta_deg: &[f64], phi_deg: &[f64]) {
+        let views = || phi_deg.iter().flat_map(|&phi| theta_deg.iter().map(move |&theta| [theta, phi]));
+        let mut first = HashMap::new();
+        let (mut equal, mut example) = (0, None);
+        for [theta, phi] in views() {
+            // At the normal, the azimuth turns what is s and p only.
+            let turned = if theta < 0.0 { phi + 180.0 } else { phi };
+            let direction = [theta.abs(), turned.rem_euclid(360.0)].map(|angle| (angle * 1e6).round() as i64);
+            match first.entry(direction) {
+                Entry::Vacant(place) => _ = place.insert([theta, phi]),
+                Entry::Occupied(place) => {
+                    equal += 1;
+                    example.get_or_insert([*place.get(), [theta, phi]]);
+                }
+            }
+        }
+        if let Some([[theta, phi], [other_theta, other_phi]]) = example {
+            self.notes.push(format!(
+                "viewer: {equal} of {} views have the direction of another view: theta {} deg, phi {} deg is theta {} deg, phi {} deg",
+                theta_deg.len() * phi_deg.len(),
+                number(other_theta),
+                number(other_phi),
+                number(theta),
+                number(phi)
+            ));
+        }
     }
 
     /// Returns the angles of a list, which must contain each once.

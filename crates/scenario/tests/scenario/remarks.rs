@@ -510,3 +510,33 @@ fn thickness_at_a_port_has_an_effect() {
     };
     assert!(is_noted(&[]) && !is_noted(&["lighting.port_mm=4"]));
 }
+
+/// Views of one direction have a note, however the direction is written.
+#[test]
+fn views_of_one_direction_are_named() {
+    let notes = |views: [&str; 2]| {
+        let sets = views.map(|view| format!("viewer.{view}"));
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let resolved = resolve(GOOD, Path::new("."), &sets).unwrap_or_else(|e| panic!("{e}"));
+        resolved
+            .notes
+            .into_iter()
+            .filter(|note| note.contains("the direction of another view"))
+            .collect::<Vec<_>>()
+    };
+    for (views, expected) in [
+        (
+            ["theta_deg=20", "phi_deg={from=0, to=360, step=90}"],
+            "1 of 5 views have the direction of another view: theta 20 deg, phi 360 deg is theta 20 deg, phi 0 deg",
+        ),
+        (
+            ["theta_deg=[-30, 30]", "phi_deg=[0, 180]"],
+            "2 of 4 views have the direction of another view: theta -30 deg, phi 180 deg is theta 30 deg, phi 0 deg",
+        ),
+    ] {
+        let found = notes(views);
+        assert!(matches!(&found[..], [note] if note.contains(expected)), "{found:?}");
+    }
+    assert_eq!(notes(["theta_deg=[-30, 0, 30]", "phi_deg=[0, 90]"]), Vec::<String>::new());
+    assert_eq!(notes(["theta_deg=[0, 30]", "phi_deg={from=0, to=330, step=30}"]), Vec::<String>::new());
+}
