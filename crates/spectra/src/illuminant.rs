@@ -219,7 +219,7 @@ pub fn illuminant(name: &str, grid: &Grid) -> Result<Spectrum, SpectraError> {
 pub fn daylight(cct_k: f64, grid: &Grid) -> Result<Spectrum, SpectraError> {
     within("the colour temperature of daylight, K,", cct_k, DAYLIGHT_K)?;
     let t = cct_k;
-    let x = if t < 7000.0 {
+    let x = if t <= 7000.0 {
         0.244063 + 0.09911e3 / t + 2.9678e6 / t.powi(2) - 4.607e9 / t.powi(3)
     } else {
         0.23704 + 0.24748e3 / t + 1.9018e6 / t.powi(2) - 2.0064e9 / t.powi(3)
@@ -376,6 +376,16 @@ mod tests {
             let expected = 0.75 * whole[i] + 0.25 * whole[i + 1];
             assert!((quarter[4 * i + 1] - expected).abs() < 1e-12);
         }
+    }
+
+    /// The two cubics of the chromaticity of daylight meet at 7000 K but for their rounding: 0.30535 and 0.30536. CIE 15 takes the first there.
+    #[test]
+    fn daylight_at_7000_k_has_the_chromaticity_of_the_first_cubic() {
+        let grid = visible(5.0);
+        let at = |kelvin: f64| daylight(kelvin, &grid).unwrap();
+        let step = |from: f64, to: f64| (at(to)[0] / at(to)[36]) / (at(from)[0] / at(from)[36]) - 1.0;
+        let (below, above) = (step(6999.999, 7000.0), step(7000.0, 7000.001));
+        assert!(below.abs() < 1e-6 && below.abs() < above.abs(), "{below:e} {above:e}");
     }
 
     #[test]

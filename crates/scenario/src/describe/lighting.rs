@@ -2,8 +2,8 @@
 
 use super::environment::Environment;
 use super::numbers::{
-    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, Lux, Millimetres, RoomLux, Share,
-    Wavelength, Weight,
+    AngularRadius, Azimuth, DaylightKelvin, Inclination, Kelvin, Leak, LedPeak, LedWidth, Lux, Millimetres,
+    RoomLux, Share, Weight,
 };
 use super::viewer::PolariserAngle;
 use crate::grammar::{choice, forms, table};
@@ -159,9 +159,9 @@ table! {
     /// its peak, the others are 1 at 560 nm.
     LightModel {
         /// Peak wavelength of an LED.
-        led_nm as "Peak of the LED": Option<Wavelength>,
+        led_nm as "Peak of the LED": Option<LedPeak>,
         /// Width of the LED; its full width at half maximum is 0.92 of it.
-        width_nm as "Width of the LED": Option<Wavelength>,
+        width_nm as "Width of the LED": Option<LedWidth>,
         /// Correlated colour temperature of CIE daylight.
         daylight_K as "Colour temperature of daylight": Option<DaylightKelvin>,
         /// Temperature of a black body.

@@ -259,6 +259,14 @@ number!(
     DaylightKelvin, Range::from_to(4000.0, 25000.0).unit("K")
 );
 number!(
+    /// The peak wavelength of an LED, nm.
+    LedPeak, Range::from_to(100.0, 10_000.0).unit("nm")
+);
+number!(
+    /// The width of an LED, nm.
+    LedWidth, Range::from_to(0.1, 1000.0).unit("nm")
+);
+number!(
     /// A weight in a mixture.
     Weight, Range::above_0_to(1e6)
 );

@@ -155,6 +155,7 @@ const NAMES_AND_CHOICES: &[Case] = &[
         (38, 10),
         &["`adds`", "\"adding\" or \"monte-carlo\""],
     ),
+    ("\"D65\"", "{ led_nm = 500, width_nm = 0.01 }", (31, 39), &["0.01 is out of range", "0.1 to 1000"]),
     ("\"D65\"", "{ led_nm = 500 }", (31, 12), &["`width_nm` is missing"]),
     ("\"D65\"", "{ led_nm = 9000, width_nm = 10 }", (31, 12), &["dark between 400 and 700 nm"]),
 ];
