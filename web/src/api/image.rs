@@ -2,7 +2,8 @@
 //!
 //! `/image` responds with the picture in each light of the room, which the page adds up: lamps that become brighter need no request. The
 //! picture of the page has few pixels: of a larger display a smaller one with the same pixels is computed. The server holds the states of
-//! recent pictures, so that a moved lamp or eye needs no new halftone. `/image/export` writes the files of the command line, in full size.
+//! recent pictures, so that a moved lamp or eye needs no new halftone. `/image/export` writes the files of the command line, in full size; all
+//! files of one picture are those of one computation.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -30,6 +31,7 @@ use super::export::Exported;
 use super::packed::{push_bytes, push_pixels, with_head};
 use super::written::bytes;
 use crate::fault::{Fault, shortened};
+use crate::held::WrittenPicture;
 use crate::reading::{Given, Solver, edited};
 use crate::site::Site;
 
@@ -450,13 +452,32 @@ fn exported(site: &Site, request: PictureFileOf, stop: &AtomicBool) -> Result<Ex
     seen_from(&mut resolved.scene, [theta_deg, phi_deg])?;
     let request = resolved.image.take().ok_or_else(no_picture)?;
     check_size(request.source.pixels.len())?;
-    let control = Control { threads: None, progress: &|_| {}, stop };
-    let white = Screen::default();
-    let found =
-        papilio_display::image::image(&resolved.scene, &request.source, &request.settings, white, &control);
-    let mut found = found.map_err(|error| Fault::of(&resolved, error))?;
-    resolved.warn_before(&mut found.numbers.warnings);
+    let viewer = &resolved.scene.viewer;
+    let key = format!("{} {:?} {:?}", resolved.hash, viewer.theta_deg, viewer.phi_deg);
+    // All files of a picture are often saved, one request each, and the search for the best states takes seconds.
+    let found = match site.held().written(&key) {
+        Some(found) => found,
+        None => {
+            let found = Arc::new(in_full_size(&resolved, &request, stop)?);
+            site.held().insert_written(key, found.clone());
+            found
+        }
+    };
     file(&found, &resolved, request.codes, &what)
+}
+
+fn in_full_size(
+    resolved: &Resolved,
+    request: &ImageRequest,
+    stop: &AtomicBool,
+) -> Result<WrittenPicture, Fault> {
+    let control = Control { threads: None, progress: &|_| {}, stop };
+    let (scene, white) = (&resolved.scene, Screen::default());
+    let found = papilio_display::image::image(scene, &request.source, &request.settings, white, &control);
+    let ImageResult { size, states, on_screen, mut numbers, palette, .. } =
+        found.map_err(|error| Fault::of(resolved, error))?;
+    resolved.warn_before(&mut numbers.warnings);
+    Ok(WrittenPicture { size, states, on_screen, numbers, palette })
 }
 
 fn check_size(pixels: usize) -> Result<(), Fault> {
@@ -468,7 +489,7 @@ fn check_size(pixels: usize) -> Result<(), Fault> {
 }
 
 fn file(
-    found: &ImageResult,
+    found: &WrittenPicture,
     resolved: &Resolved,
     codes: Option<PanelCodes>,
     what: &str,
@@ -509,7 +530,7 @@ fn file(
 
 /// A frame with the codes and the packing of the scenario's controller, or else with the numbers of the states.
 fn frame(
-    found: &ImageResult,
+    found: &WrittenPicture,
     codes: Option<PanelCodes>,
     title: &str,
     (what, colours): (&str, &[[u8; 3]]),

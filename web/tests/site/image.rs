@@ -127,6 +127,18 @@ fn sum_over_the_lights_equals_papilio_image() {
     let as_read: Value = serde_json::from_str(&json!(wanted.numbers.mean_XYZ).to_string()).unwrap();
     assert_eq!(export("image.json").json()["mean_XYZ"], as_read);
     assert_eq!(export("states.exe").status, 404);
+    // All files are of the picture that was asked for last: in another light, view or halftone its numbers are others.
+    let numbers = export("image.json").json();
+    for (key, value) in
+        [("theta_deg", json!(35)), ("halftone", json!("ordered")), ("scenario", other["scenario"].clone())]
+    {
+        let mut changed = request.clone();
+        changed[key] = value;
+        changed["what"] = json!("image.json");
+        let changed = server.post("/image/export", &changed).json();
+        assert!(changed["mean_XYZ"].is_array() && changed != numbers, "{key}: {changed}");
+        assert_eq!(export("image.json").json(), numbers, "{key}");
+    }
 }
 
 /// Without a halftone, each pixel has the colour that a halftone would show, and there are no states for a
