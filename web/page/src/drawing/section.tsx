@@ -135,7 +135,7 @@ function Gaps({ y, film }: { y: number; film: Film }) {
           <rect class="mirror-block" width={Math.max(0, width - 2)} x="1" y={depth} height={MIRROR} />
           {width > 46 && (
             <text class="gap-name" x={width / 2} y={depth + MIRROR / 2 + 4} text-anchor="middle">
-              {width > 108 ? `${name} ${plain(gap, 4)} nm` : width > 60 ? `${plain(gap, 4)} nm` : plain(gap, 4)}
+              {width > 108 ? `${name} ${plain(gap, 4)} nm` : `${width > 60 ? plain(gap, 4) : Math.round(gap)} nm`}
             </text>
           )}
         </g>

@@ -8,7 +8,7 @@ import { fields, problems, problemsAt, schema, selected } from "../state/design.
 import { edit, set } from "../state/live.ts";
 import { variesNow } from "../state/vary.ts";
 import { at, isTable, join, split, tableAt, type Json, type Table } from "../model/json.ts";
-import { help, label, unit, type Found } from "../model/schema.ts";
+import { help, label, uncapitalised, unit, unitOf, type Found } from "../model/schema.ts";
 import { MODELS } from "../model/stack.ts";
 import { Problems } from "../panels/problems.tsx";
 import { Choice } from "./choice.tsx";
@@ -109,7 +109,7 @@ export function Field({ path, name, bare = false }: { path: string; name?: strin
         found={found}
         value={value}
         name={text}
-        unit={unit(key) || (found.node["x-unit"] ?? "")}
+        unit={unitOf(key, found.node)}
         invalid={wrong.length > 0}
       />
       {!bare && (
@@ -206,14 +206,17 @@ function More({ path, keys }: { path: string; keys: string[] }) {
         {keys.length} more {keys.length === 1 ? "key" : "keys"}
       </summary>
       {open.value &&
-        keys.map((key) => (
-          <div class="field" key={key}>
-            <button type="button" class="quiet" onClick={() => add(key)}>
-              Set {label(key).toLowerCase()}
-            </button>
-            <p class="help">{help(schema.value?.find(join(path, key), fields.value)?.node ?? {})}</p>
-          </div>
-        ))}
+        keys.map((key) => {
+          const found = schema.value?.find(join(path, key), fields.value) ?? { node: {}, def: "" };
+          return (
+            <div class="field" key={key}>
+              <button type="button" class="quiet" onClick={() => add(key)}>
+                Set {uncapitalised(nameOf(found, key))}
+              </button>
+              <p class="help">{help(found.node)}</p>
+            </div>
+          );
+        })}
     </details>
   );
 }

@@ -160,22 +160,24 @@ export function Angles(props: Props) {
           change={(to) => set(path, to)}
         />
       )}
-      {form === "list" && <List {...props} />}
+      {form === "list" && <List {...props} unit="°" />}
       {isTable(value) && (
         <div>
           {["from", "to", "step"].map((key) => (
-            <NumberField
-              key={key}
-              id={`${id}-${key}`}
-              name={`${name}, ${key}`}
-              of=""
-              unit={key}
-              value={Number(value[key])}
-              invalid={invalid}
-              describedBy={`${id}-help`}
-              limits={key === "step" ? { min: 0.1, max: 90 } : bounds}
-              change={(to) => set(`${path}.${key}`, to)}
-            />
+            <div class="of-range" key={key}>
+              <label for={`${id}-${key}`}>{key}</label>
+              <NumberField
+                id={`${id}-${key}`}
+                name={`${name}, ${key}`}
+                of=""
+                unit="°"
+                value={Number(value[key])}
+                invalid={invalid}
+                describedBy={`${id}-help`}
+                limits={key === "step" ? { min: 0.1, max: 90 } : bounds}
+                change={(to) => set(`${path}.${key}`, to)}
+              />
+            </div>
           ))}
         </div>
       )}

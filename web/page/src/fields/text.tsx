@@ -68,7 +68,7 @@ export function Text({ id, path, value, invalid, found, options = [] }: Props & 
 }
 
 /** Numbers, separated by commas. */
-export function List({ id, path, value, invalid }: Props) {
+export function List({ id, path, value, unit, invalid }: Props) {
   const meant = (text: string): Json | undefined => {
     const numbers = text
       .split(/[,;\s]+/)
@@ -83,10 +83,15 @@ export function List({ id, path, value, invalid }: Props) {
         id={id}
         value={numbers.join(", ")}
         aria-invalid={invalid}
-        aria-describedby={`${id}-help`}
+        aria-describedby={unit ? `${id}-unit ${id}-help` : `${id}-help`}
         autocomplete="off"
         {...entered(path, meant)}
       />
+      {unit && (
+        <span class="unit" id={`${id}-unit`}>
+          {unit}
+        </span>
+      )}
     </span>
   );
 }

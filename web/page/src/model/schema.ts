@@ -120,7 +120,9 @@ const UNITS: readonly (readonly [string, string])[] = [
   ["_mm", "mm"],
   ["_deg", "°"],
   ["_lx", "lx"],
+  ["_um", "µm"],
   ["_m", "m"],
+  ["_pt", "pt"],
   ["_K", "K"],
 ];
 
@@ -145,12 +147,18 @@ const NAMES: Record<string, string> = {
 
 export const unit = (key: string): string => UNITS.find(([end]) => key.endsWith(end))?.[1] ?? "";
 
+/** Returns the unit of a key: that of its ending, or that of the schema. */
+export const unitOf = (key: string, node: Node): string => unit(key) || (node["x-unit"] ?? "");
+
 /** Returns the label of a key: "Total transmittance" for `total_transmittance`. */
 export function label(key: string): string {
   const end = UNITS.find(([suffix]) => key.endsWith(suffix))?.[0] ?? "";
   const words = key.slice(0, key.length - end.length).replaceAll("_", " ");
   return NAMES[key] ?? words.charAt(0).toUpperCase() + words.slice(1);
 }
+
+/** Returns a label as it stands within a sentence: names and abbreviations keep their capitals. */
+export const uncapitalised = (text: string): string => text.replace(/^[A-Z](?=[a-z])/, (first) => first.toLowerCase());
 
 export interface Limits {
   readonly min: number;

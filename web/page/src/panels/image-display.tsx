@@ -3,7 +3,7 @@
 import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { degrees, digits } from "../model/format.ts";
+import { degrees, digits, plain, thousands } from "../model/format.ts";
 import { halftoneName } from "../model/halftones.ts";
 import { anglesOf, fitting, limited, type Tilt } from "../model/perspective.ts";
 import { clippedShare } from "../model/seen.ts";
@@ -197,6 +197,7 @@ export function Display() {
     return () => canvas.removeEventListener("wheel", wheel);
   }, []);
   const now = shown.value;
+  const light = exposed.value && exposed.value.white_cd_m2 > 0 ? ` in ${thousands(plain(Math.PI * exposed.value.white_cd_m2, 4))} lx` : "";
   const { theta_deg, phi_deg } = anglesOf(tilt.value);
   const direction = `${degrees(theta_deg)}${phi_deg === 0 ? "" : `, azimuth ${degrees(phi_deg)}`}`;
   return (
@@ -216,6 +217,7 @@ export function Display() {
       <figcaption>
         <span>
           The display, seen from {direction}
+          {light}
           {now ? `: ${which(now)}` : imageProblems.value.length === 0 && ": computing the picture…"}
           {clippedPart.value >= LEAST_CLIPPED &&
             `. Clipped: ${clippedPart.value < 0.995 ? `${digits(100 * clippedPart.value, 2)} % of` : "all"} its pixels are brighter than the screen can show; their hue is kept`}

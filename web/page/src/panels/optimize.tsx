@@ -57,7 +57,10 @@ function VariableFields({ variable, index }: { variable: Table; index: number })
   return (
     <div class="controls axis">
       {choices.length > 0 || remarkOf(variable) !== "" ? (
-        <code title={labelText(key)}>{key}</code>
+        <span class="key-select">
+          <code>{key}</code>
+          <small>{labelText(key)}</small>
+        </span>
       ) : (
         <KeySelect label={`Key of variable ${index + 1}`} value={key} keys={keys.value} change={(to) => put(variableFor(to))} />
       )}

@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
-import { digits } from "../model/format.ts";
+import { digits, plain, thousands } from "../model/format.ts";
 import { camera, fitting, type Tilt } from "../model/perspective.ts";
 import { exposure, type Seen } from "../model/seen.ts";
 import { onCanvas } from "../plots/seen-2d.ts";
@@ -30,9 +30,10 @@ export function PageCanvas({ seen, tilt, label }: { seen: Seen | null | undefine
   return <canvas ref={ref} width={400} height={300} role="img" aria-label={label} />;
 }
 
-/** White and contrast of pages of the states, as in the head of the picture. */
-export function pageInWords({ head: { states, colours } }: Seen): string {
+/** Illuminance, and white and contrast of pages of the states, as in the head of the picture. */
+export function pageInWords({ head: { illuminance_lx, states, colours } }: Seen): string {
+  const lux = `${thousands(plain(illuminance_lx, 4))} lx`;
   const [white, black] = ["white", "black"].map((name) => colours[states.indexOf(name)]?.[1]);
-  if (!white || !black) return "";
-  return `white Y ${digits(100 * white, 3)} %, contrast ${digits(white / black, 3)} : 1`;
+  if (!white || !black) return lux;
+  return `${lux}, white Y ${digits(100 * white, 3)} %, contrast ${digits(white / black, 3)} : 1`;
 }

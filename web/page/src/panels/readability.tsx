@@ -96,8 +96,8 @@ export function Readability() {
     ],
     [
       "Text luminance",
-      withError(now.text_luminance_cd_m2, error.text_luminance_cd_m2, 1),
-      "cd/m²; mean of a text that is three quarters white and one quarter black",
+      `${withError(now.text_luminance_cd_m2, error.text_luminance_cd_m2, 1)} cd/m²`,
+      "mean of a text that is three quarters white and one quarter black",
     ],
     ["Text contrast", withError(now.text_contrast, error.text_contrast, 3), "(white − black)/(white + black/3)"],
     ...smallPrint(now),

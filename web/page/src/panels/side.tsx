@@ -10,6 +10,7 @@ import { sideStroke } from "../model/states.ts";
 import { Curves, type Curve, type Plot } from "../plots/curves.tsx";
 import { curvesSvg } from "../plots/curves-svg.ts";
 import { coloursOf } from "../plots/patches.tsx";
+import { RADIANCE } from "../plots/spectra.tsx";
 import { shownState, showState, states } from "../state/design.ts";
 import { chosen } from "../state/numbers.ts";
 import { answerOf, base, columns, CURRENT, followSide, setBase, toggle, type Column } from "../state/side.ts";
@@ -183,6 +184,8 @@ function spectra(): Plot {
     const values = state?.reflectance_factor ?? state?.radiance;
     return answer?.result && values ? [{ of, x: answer.result.wavelength_nm, values }] : [];
   });
+  // Without ambient light, there is nothing to reflect: the spectra are radiances.
+  const isRadiance = known.length > 0 && known.every(({ of }) => !answerOf(of)?.view?.states[shownState.value]?.reflectance_factor);
   const x = known[0]?.x ?? [];
   const at = (nm: number, xs: readonly number[], ys: readonly (number | null)[]): number | null => {
     const k = xs.findIndex((one) => one >= nm);
@@ -197,7 +200,7 @@ function spectra(): Plot {
     ...lineOf(of),
     width: of.id === CURRENT ? 3 : 1.8,
   }));
-  return { x, curves, xName: "Wavelength (nm)", yName: "Reflectance factor", range: [0, 0.1] };
+  return { x, curves, xName: "Wavelength (nm)", yName: isRadiance ? RADIANCE : "Reflectance factor", range: isRadiance ? [0, 0] : [0, 0.1] };
 }
 
 function Spectra() {

@@ -116,6 +116,7 @@ function TargetEditor({ of, form, close }: { of: Chosen; form: Form; close: () =
         value={typed.value}
         onInput={(event) => (typed.value = event.currentTarget.value)}
       />
+      {form.unit && <span>{form.unit}</span>}
       <button type="submit">Set</button>
       <button type="button" onClick={() => aim("maximise")} title="Make it an objective of Optimise">
         Maximise
@@ -174,7 +175,7 @@ function Row({ of, now, before }: { of: Chosen; now: View; before: View | null }
           <small class={met === null ? "" : met ? "agrees" : "disagrees"}>
             {" "}
             {met === null ? "" : met ? "✓ " : "✗ "}
-            {inWords(of.target)}
+            {inWords(of.target, form.unit)}
           </small>
         )}
         {before && (

@@ -5,7 +5,7 @@ import { useSignal } from "@preact/signals";
 import { Choice } from "../fields/choice.tsx";
 import { NumberField } from "../fields/number.tsx";
 import { isTable, split, type Json, type Table } from "../model/json.ts";
-import { help, label, limits, type Found, type Node } from "../model/schema.ts";
+import { help, label, limits, unitOf, type Found, type Node } from "../model/schema.ts";
 import { ofKind, ordered, SURFACES } from "../model/surface.ts";
 import { files } from "../state/files.ts";
 import { edit, own, problems, schema, set, text, fields as values, open, name as nameOf } from "../state/surface.ts";
@@ -123,7 +123,7 @@ function Control({ name, found: { node }, invalid }: ControlProps) {
         <span>{value === true ? "yes" : "no"}</span>
       </label>
     );
-  if (isList(node)) return <ListField name={name} value={value} invalid={invalid} />;
+  if (isList(node)) return <ListField name={name} unit={unitOf(name, node)} value={value} invalid={invalid} />;
   return <Quantity name={name} node={node} value={value} invalid={invalid} />;
 }
 
@@ -150,7 +150,7 @@ function Quantity({
       id={idOf(name)}
       name={node.title ?? label(name)}
       of={name.includes("index") ? "index" : name}
-      unit={(node["x-unit"] ?? "").replace(/^um$/, "µm")}
+      unit={unitOf(name, node)}
       value={typeof shown === "number" ? shown : undefined}
       limits={limits(inner)}
       placeholder="–"
@@ -163,7 +163,7 @@ function Quantity({
 }
 
 /** Numbers, separated by commas; an empty box is the default. */
-function ListField({ name, value, invalid }: { name: string; value: Json | undefined; invalid: boolean }) {
+function ListField({ name, unit, value, invalid }: { name: string; unit: string; value: Json | undefined; invalid: boolean }) {
   const take = (typed: string) => {
     const numbers = typed
       .split(/[,;\s]+/)
@@ -180,10 +180,15 @@ function ListField({ name, value, invalid }: { name: string; value: Json | undef
         value={Array.isArray(value) ? value.join(", ") : String(value ?? "")}
         placeholder="default"
         aria-invalid={invalid}
-        aria-describedby={`${idOf(name)}-help`}
+        aria-describedby={unit ? `${idOf(name)}-unit ${idOf(name)}-help` : `${idOf(name)}-help`}
         autocomplete="off"
         onChange={(event) => take(event.currentTarget.value)}
       />
+      {unit && (
+        <span class="unit" id={`${idOf(name)}-unit`}>
+          {unit}
+        </span>
+      )}
     </span>
   );
 }

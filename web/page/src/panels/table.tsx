@@ -106,7 +106,7 @@ const SETS: Record<string, readonly Column[]> = {
     ),
     column("Δu′v′ angle", 4, "u′v′ distance from the view nearest to the normal", (v) => v.shift_with_angle_uv),
     column(
-      "peak shift nm",
+      "peak shift (nm)",
       2,
       "Peak minus the peak of the pixel alone in the specular direction (Feng 2012, eq. 5-12)",
       (v) => v.peak_shift_nm,

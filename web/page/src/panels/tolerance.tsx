@@ -6,7 +6,7 @@ import { at, listAt, type Table } from "../model/json.ts";
 import { keyOf, replaced, SPREADS, spreadOf, withSpread } from "../model/study.ts";
 import { Drawn } from "../plots/figure.tsx";
 import { fields } from "../state/design.ts";
-import { labelText } from "../state/labels.ts";
+import { labelOf, labelText } from "../state/labels.ts";
 import { hasTargets } from "../state/optimize.ts";
 import { addKey, addOfSearch, addTargets, age, analysis, done, keyFor, keys, ofSearch, progress, run, study } from "../state/tolerance.ts";
 import { Aged } from "./aged.tsx";
@@ -45,7 +45,10 @@ function KeyFields({ of, index }: { of: Table; index: number }) {
   return (
     <div class="controls axis">
       {others.length > 1 ? (
-        <code>{others.join(", ")}</code>
+        <span class="key-select">
+          <code>{others.join(", ")}</code>
+          <small>{labelText(key)}</small>
+        </span>
       ) : (
         <KeySelect label={`Key of tolerance ${index + 1}`} value={key} keys={keys.value} change={(to) => put(keyFor(to))} />
       )}
@@ -67,6 +70,7 @@ function KeyFields({ of, index }: { of: Table; index: number }) {
             value={spread.width}
             put={(value) => value !== null && value > 0 && put(withSpread(of, spread.kind, value))}
           />
+          {!isRelative && <span>{labelOf(key).unit}</span>}
           <label>
             <input
               type="checkbox"

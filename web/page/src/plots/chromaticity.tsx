@@ -69,6 +69,10 @@ function Tint() {
   return <canvas ref={canvas} width={2 * WIDTH} height={2 * HEIGHT} aria-hidden="true" />;
 }
 
+/** The wavelength whose label has the unit: beside it, the diagram has the most room. */
+const WITH_UNIT_NM = 440;
+const wavelengthText = (nm: number): string => (nm === WITH_UNIT_NM ? `${nm} nm` : String(nm));
+
 /** Returns the place of the label of a wavelength, outside the locus, and of its mark. */
 function besideLocus(nm: number) {
   const i = LOCUS.findIndex(([at]) => at === nm);
@@ -89,7 +93,7 @@ function Wavelength({ nm }: { nm: number }) {
       <>
         <path class="axis" d={at.mark} />
         <text class="scale" x={at.x} y={at.y} text-anchor={at.anchor}>
-          {nm}
+          {wavelengthText(nm)}
         </text>
       </>
     )
@@ -100,7 +104,7 @@ function Wavelength({ nm }: { nm: number }) {
 function boxOf(nm: number, size: number): Box[] {
   const at = besideLocus(nm);
   if (!at) return [];
-  const width = 3 * LETTER * size;
+  const width = wavelengthText(nm).length * LETTER * size;
   const left = at.x - (at.anchor === "end" ? width : at.anchor === "middle" ? width / 2 : 0);
   return [{ left, right: left + width, top: at.y - 10 * size, bottom: at.y }];
 }

@@ -34,6 +34,9 @@ export function Sample({ name }: { name: string }) {
 const spectrum = (of: View | null, name: string): readonly (number | null)[] =>
   of?.states[name]?.reflectance_factor ?? of?.states[name]?.radiance ?? [];
 
+/** The name of the ordinate without ambient light. */
+export const RADIANCE = "Radiance (W/(m² sr nm))";
+
 /** The curve of the pinned design: a colour and dashes that no state has. */
 const PINNED = "pinned";
 const PINNED_DASH = [9, 1.5, 1, 1.5, 9, 3];
@@ -66,14 +69,14 @@ export function Spectra() {
   const at = under.value;
   const nm = at === null ? null : wavelengths.value[at];
   const radiance = view.value !== null && !view.value.states[shownState.value]?.reflectance_factor;
-  const name = radiance ? "Radiance (W/(m² sr nm))" : "Reflectance factor";
+  const name = radiance ? RADIANCE : "Reflectance factor";
   const hasPinned = curves.value.some((curve) => curve.name === PINNED);
   const plot: Plot = {
     x: wavelengths.value,
     curves: curves.value,
     xName: "Wavelength (nm)",
     yName: name,
-    yShort: radiance ? "Radiance" : "Refl. factor",
+    yShort: radiance ? "W/(m² sr nm)" : "Refl. factor",
     range: radiance ? [0, 0] : [0, 0.1],
   };
   const table = () => [

@@ -221,7 +221,7 @@ test("published sample is predicted, and rooms show the page in other light", { 
   await page.locator('[data-sample="ptfe"] .agrees').waitFor({ timeout: 60_000 });
   await page.getByRole("img", { name: "ptfe: predicted and measured" }).waitFor();
   await tool(page, "rooms");
-  await page.locator('[data-room="sunny"] figcaption', { hasText: "contrast" }).waitFor({ timeout: 120_000 });
+  await page.locator('[data-room="sunny"] figcaption', { hasText: /^sunny 100\s000 lx, white Y [\d.]+ %, contrast/ }).waitFor({ timeout: 120_000 });
   await page.locator('[data-room="sunny"]').getByRole("button", { name: "Take this light" }).click();
   await page.getByRole("button", { name: "Light: sunny", exact: true }).waitFor();
   assert.deepEqual(on.complaints, []);

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { position, span, valueAt } from "../../src/model/span.ts";
-import { label, limits, Schema, unit } from "../../src/model/schema.ts";
+import { label, limits, Schema, uncapitalised, unit, unitOf } from "../../src/model/schema.ts";
 
 const GRAMMAR = new Schema({
   $defs: {
@@ -94,4 +94,14 @@ test("nested alternatives are found: a kind of layer with several models", () =>
   assert.deepEqual(layers.discriminator(found.node, { kind: "medium" })!.key, "kind");
   assert.ok(layers.find("layer.lambertian", { layer: value }));
   assert.equal(layers.find("layer.ward", { layer: value }), null);
+});
+
+test("units of numbers are those of their keys, or of the schema", () => {
+  const of = (key: string, given?: string) => unitOf(key, given === undefined ? {} : { "x-unit": given });
+  assert.deepEqual([of("range_nm"), of("azimuth_deg", "deg"), of("pitch_um"), of("text_size_pt"), of("volts", "V")], ["nm", "°", "µm", "pt", "V"]);
+  assert.deepEqual([of("haze"), label("text_size_pt"), label("pitch_um")], ["", "Text size", "Pitch"]);
+});
+
+test("labels within a sentence keep the capitals of abbreviations", () => {
+  assert.deepEqual(["Total transmittance", "CIE sky number", "n"].map(uncapitalised), ["total transmittance", "CIE sky number", "n"]);
 });
