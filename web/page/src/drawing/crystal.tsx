@@ -4,15 +4,13 @@
 import { at } from "../model/json.ts";
 import { crystalParts, type CrystalPart } from "../model/crystal.ts";
 import { material } from "../model/kinds.ts";
-import { compact } from "../state/compact.ts";
 import { fields, shownState } from "../state/design.ts";
 import { directors } from "../state/directors.ts";
-import { LEFT, Part, WIDTH, Words } from "./part.tsx";
+import { LEFT, Part, scaled, WIDTH, Words } from "./part.tsx";
 
 const USUAL = 22;
 const CELL = 74;
 const SUBSTRATE = 22;
-const scaled = (height: number): number => (compact.value ? Math.max(31, height) : height);
 const heightOf = ({ kind }: CrystalPart): number => (kind === "cell" ? CELL : scaled(USUAL));
 
 /** Height of all parts and of the reflector. */

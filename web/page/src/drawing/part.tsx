@@ -1,11 +1,16 @@
 // A part of the cross-section: a band that is selected with a click or a key, and its words.
 
+import { compact } from "../state/compact.ts";
 import { selected } from "../state/design.ts";
 import { moveSelected, removeSelected } from "./actions.ts";
 
 /** Left edge and width of the bands. */
 export const LEFT = 14;
 export const WIDTH = 432;
+
+/** The least height of a band in the compact layout, for fingers: 32 px on a phone. */
+const FINGER = 41;
+export const scaled = (height: number): number => (compact.value ? Math.max(FINGER, height) : height);
 
 /** A part of the drawing that is selected with a click, Enter or Space. */
 export function Part({ path, children, y }: { path: string; children: preact.ComponentChildren; y: number }) {

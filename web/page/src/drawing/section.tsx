@@ -18,14 +18,13 @@ import { Downloads } from "../panels/downloads.tsx";
 import { isFaded, liveAge } from "../state/age.ts";
 import { svgOf } from "../plots/picture.ts";
 import type { Medium } from "../model/rays.ts";
-import { compact } from "../state/compact.ts";
 import { Above, ABOVE_HEIGHT } from "./above.tsx";
 import { crystalHeight, CrystalParts } from "./crystal.tsx";
 import { CENTRE, Dome } from "./dome.tsx";
-import { LEFT, Part, WIDTH, Words } from "./part.tsx";
+import { LEFT, Part, scaled, WIDTH, Words } from "./part.tsx";
 import { Rays } from "./rays.tsx";
 
-/** Heights of the bands; in the compact layout they are larger, for fingers. */
+/** Heights of the bands. */
 const USUAL: Record<Look, number> = {
   component: 19,
   guide: 19,
@@ -36,7 +35,6 @@ const USUAL: Record<Look, number> = {
   coating: 19,
   rough: 20,
 };
-const scaled = (height: number): number => (compact.value ? Math.max(31, height) : height);
 const heightOf = (look: Look): number => scaled(USUAL[look]);
 const filmHeight = (): number => scaled(18);
 /** Height of the largest gap. */

@@ -105,18 +105,20 @@ export function AnglesPanel() {
             </option>
           ))}
         </select>
-        <label for="angle-phi">in the plane of azimuth</label>
-        <NumberField
-          id="angle-phi"
-          name="Azimuth of the plane"
-          of="phi_deg"
-          unit="°"
-          value={phi.value}
-          limits={{ min: -180, max: 180 }}
-          invalid={false}
-          describedBy="angle-remark"
-          change={(to) => (phi.value = to)}
-        />
+        <span class="with-label">
+          <label for="angle-phi">in the plane of azimuth</label>
+          <NumberField
+            id="angle-phi"
+            name="Azimuth of the plane"
+            of="phi_deg"
+            unit="°"
+            value={phi.value}
+            limits={{ min: -180, max: 180 }}
+            invalid={false}
+            describedBy="angle-remark"
+            change={(to) => (phi.value = to)}
+          />
+        </span>
       </div>
       <Problems of={exact.problems} />
       {!isExact && exact.problems.length === 0 && (

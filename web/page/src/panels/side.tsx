@@ -137,13 +137,15 @@ function Numbers() {
             <th scope="row">differences from</th>
             {columns.value.map((of) => (
               <td key={of.id}>
-                <input
-                  type="radio"
-                  name="side-base"
-                  checked={of.id === base.value.id}
-                  onChange={() => setBase(of.id)}
-                  aria-label={`Differences from ${of.name}`}
-                />
+                <label class="radio">
+                  <input
+                    type="radio"
+                    name="side-base"
+                    checked={of.id === base.value.id}
+                    onChange={() => setBase(of.id)}
+                    aria-label={`Differences from ${of.name}`}
+                  />
+                </label>
               </td>
             ))}
           </tr>

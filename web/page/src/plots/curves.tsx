@@ -21,6 +21,8 @@ export interface Plot {
   x: readonly number[];
   curves: readonly Curve[];
   xName: string;
+  /** The unit of the abscissa, which is at its last number in a low plot, instead of its name below. */
+  xUnit?: string;
   yName: string;
   /** The same in a low plot. */
   yShort?: string;
@@ -75,7 +77,7 @@ const sizeIn = (box: HTMLElement, height: number | undefined) => ({
 /** Height of a plot below which the label of its ordinate is written smaller, so that it is not cut, px. */
 const LOW = 180;
 
-function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.Axis {
+function axis(label: string, isLog: boolean, words?: readonly string[], unit?: string): uPlot.Axis {
   const shown = (split: number | null): string =>
     split === null ? "" : words ? (words[split] ?? "") : isLog ? power(split) : plain(split, 4);
   return {
@@ -84,8 +86,8 @@ function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.A
     ticks: { stroke: faint, width: 1, size: 5 },
     font: FONT,
     labelFont: FONT,
-    label,
-    values: (_, splits) => splits.map(shown),
+    ...(unit ? {} : { label }),
+    values: (_, splits) => splits.map((split, i) => (unit && i === splits.length - 1 ? `${shown(split)} ${unit}` : shown(split))),
     labelSize: 18,
     labelGap: 2,
     ...(isLog ? { splits: (_, __, low, high) => logTicks(low, high), filter: (_, splits) => splits } : {}),
@@ -95,6 +97,8 @@ function axis(label: string, isLog: boolean, words?: readonly string[]): uPlot.A
 
 function options(props: Props, size: { width: number; height: number }): uPlot.Options {
   const logarithmic = { distr: 3 as const };
+  const isLow = size.height < LOW;
+  const unit = isLow ? props.xUnit : undefined;
   return {
     ...size,
     padding: [10, props.log ? 30 : 12, 0, 0],
@@ -119,8 +123,8 @@ function options(props: Props, size: { width: number; height: number }): uPlot.O
           },
     },
     axes: [
-      { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords), size: 30, space: 44 },
-      { ...axis((size.height < LOW && props.yShort) || props.yName, Boolean(props.log)), size: 56, space: size.height < LOW ? 16 : 30, ...(size.height < LOW ? { labelFont: SMALL_FONT } : {}) },
+      { ...axis(props.xName, Boolean(props.log || props.xLog), props.xWords, unit), size: unit ? 24 : 30, space: 44 },
+      { ...axis((isLow && props.yShort) || props.yName, Boolean(props.log)), size: 56, space: isLow ? 16 : 30, ...(isLow ? { labelFont: SMALL_FONT } : {}) },
     ],
     series: [
       {},

@@ -6,6 +6,7 @@ import { useSignal } from "@preact/signals";
 import { Downloads } from "../panels/downloads.tsx";
 import type { Rows } from "../model/csv.ts";
 import { darkFigure } from "../model/dark-figure.ts";
+import { leastWidth } from "../model/figure-width.ts";
 import { dark } from "../state/theme.ts";
 
 interface Props {
@@ -31,7 +32,12 @@ export function Drawn({ svg, label, name, table }: Props) {
         </p>
       )}
       <div class="drawn-box" tabindex={0} role="region" aria-label={label}>
-        <img class="drawn" src={address.value} alt={label} />
+        <img
+          class="drawn"
+          src={address.value}
+          alt={label}
+          ref={(image) => image?.style.setProperty("--least", `${leastWidth(svg)}px`)}
+        />
       </div>
     </>
   ) : null;

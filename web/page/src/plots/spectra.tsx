@@ -75,6 +75,7 @@ export function Spectra() {
     x: wavelengths.value,
     curves: curves.value,
     xName: "Wavelength (nm)",
+    xUnit: "nm",
     yName: name,
     yShort: radiance ? "W/(m² sr nm)" : "Refl. factor",
     range: radiance ? [0, 0] : [0, 0.1],
