@@ -11,6 +11,7 @@ import { edit } from "../state/live.ts";
 import { compareWith } from "./measured.tsx";
 import { FileButton } from "./choose.tsx";
 import { Problems } from "./problems.tsx";
+import { SaveRenamed } from "./rename.tsx";
 
 const KINDS: Record<string, string> = {
   bsdf: "measured BSDF",
@@ -79,6 +80,7 @@ function File({ file }: { file: Dropped }) {
                 Fit the design to it
               </button>
             )}
+            <SaveRenamed name={file.name} />
             {(audit.kind === "heights" || audit.kind === "mesh") && (
               <button type="button" class="run" onClick={() => showFile(file.name, audit.kind)}>
                 Use as a surface

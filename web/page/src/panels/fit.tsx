@@ -1,12 +1,10 @@
 // A fit, as by `papilio fit`: keys of the design from measured files, with their intervals, and what the data cannot tell apart.
 
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
 
 import type { Compared, FitDone } from "../api/types.ts";
 import { correlated, decimalsOf, type FitVariable } from "../model/fit.ts";
 import { digits, fixed, NONE, plain } from "../model/format.ts";
-import { renamable, renamed, type Renamed } from "../model/state-names.ts";
 import { Drawn } from "../plots/figure.tsx";
 import {
   addVariable,
@@ -30,10 +28,8 @@ import {
   variableFor,
   variables,
 } from "../state/fit.ts";
-import { states } from "../state/design.ts";
-import { add, fileIds } from "../state/files.ts";
+import { fileIds } from "../state/files.ts";
 import { useFollowed } from "../state/follow.ts";
-import { keptFile } from "../state/keep.ts";
 import { labelText } from "../state/labels.ts";
 import { said } from "../state/said.ts";
 import { Aged } from "./aged.tsx";
@@ -43,6 +39,7 @@ import { fileName } from "./file-name.ts";
 import { AsJob } from "./jobs.tsx";
 import { KeySelect } from "./key-select.tsx";
 import { Problems } from "./problems.tsx";
+import { Rename, SaveRenamed } from "./rename.tsx";
 import { save } from "./save.ts";
 
 type Report = FitDone["report"];
@@ -115,30 +112,6 @@ function VariableFields({ variable, index }: { variable: FitVariable; index: num
   );
 }
 
-/** Offers to read names that contain a state of the design as that state. */
-function Rename({ name, id }: { name: string; id: string }) {
-  const found = useSignal<readonly Renamed[]>([]);
-  const content = useSignal("");
-  const all = states.value.map(([state]) => state);
-  useEffect(() => {
-    void keptFile(id).then(async (bytes) => {
-      content.value = (await bytes?.text()) ?? "";
-      found.value = renamable(content.value, all);
-    });
-  }, [id, all.join()]);
-  if (found.value.length === 0) return null;
-  const [from, to] = [0, 1].map((k) => found.value.map((pair) => pair[k]).join(", "));
-  const read = async () => {
-    if (await add(name, new Blob([renamed(content.value, all)])))
-      said.value = `${name} is read with the states ${to}. The file on your disk is unchanged.`;
-  };
-  return (
-    <button type="button" onClick={() => void read()}>
-      Read {from} as {to}
-    </button>
-  );
-}
-
 /** How well the design matches a measured file before the fit, or why it cannot be compared with it. */
 function Match({ name, id }: { name: string; id: string }) {
   const { value, age, problems } = useFollowed<Compared>("compare", { panel: id }, REST_MS);
@@ -175,6 +148,7 @@ function MeasuredFiles() {
             <input type="checkbox" checked={isUsed} onChange={(event) => use(name, event.currentTarget.checked)} /> {name}
           </label>
           {isUsed && <Match key={fileIds.value[name]} name={name} id={fileIds.value[name]!} />}
+          {isUsed && <SaveRenamed name={name} />}
         </div>
       ))}
       <div class="controls">

@@ -17,6 +17,7 @@ import { FileButton } from "./choose.tsx";
 import { ColumnHeads, type Head } from "./column-heads.tsx";
 import { Downloads } from "./downloads.tsx";
 import { Problems } from "./problems.tsx";
+import { Rename, SaveRenamed } from "./rename.tsx";
 
 /** Time without changes after which the comparison is requested, ms. */
 const REST_MS = 150;
@@ -207,6 +208,11 @@ function Follow({ name, id }: { name: string; id: string }) {
   return (
     <>
       <Problems of={now.problems} />
+      {(now.problems.length > 0 || (now.value?.comparison.left_out.length ?? 0) > 0) && (
+        <p class="controls">
+          <Rename name={name} id={id} />
+        </p>
+      )}
       {!now.value && now.problems.length === 0 && <p role="status">computing…</p>}
       {now.value && (
         <Aged age={now.age} count={now.count}>
@@ -240,6 +246,7 @@ export function MeasuredPanel() {
           </select>
         )}
         <FileButton label="Choose a measurement" stays />
+        <SaveRenamed name={name} />
         <span class="remark">
           or drop a CSV file with the columns state, theta_deg, wavelength_nm, reflectance_factor (or X, Y, Z), or metric, value; states
           are matched by name, directions to within 1°.

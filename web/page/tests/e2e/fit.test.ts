@@ -88,6 +88,22 @@ test("measured file says at once why it cannot be compared, offers its states, a
   await file.getByText("no measured state has a counterpart").waitFor();
   await file.getByRole("button", { name: /^Read R_\w+, R_\w+, R_\w+, R_\w+ as / }).click();
   await file.getByText(/ΔE00 of the design: white \d/).waitFor();
+  // The command of the tool works with the file that is saved here; that of the instrument has states that the design lacks.
+  const renamed = await downloaded(page, () => file.getByRole("button", { name: "Save panel 7.csv with its new states" }).click());
+  assert.deepEqual([renamed.name, renamed.text], ["panel 7.csv", measured]);
+  const compare = (text: string) => {
+    writeFileSync(path, text);
+    return execFileSync(PAPILIO, ["compare", join(ROOT, "scenarios/fit.toml"), path, "--out", folder], { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  };
+  assert.match(compare(renamed.text), /white/);
+  assert.throws(() => compare(measured.replaceAll(/^(\w+),8,/gm, "R_$1,8,")), /counterpart/);
+  // Compare offers the same.
+  await choose(measured.replaceAll(/^(\w+),8,/gm, "Q_$1,8,"));
+  await tool(page, "compare");
+  await page.getByRole("button", { name: /^Read Q_\w+, Q_\w+, Q_\w+, Q_\w+ as / }).click();
+  await page.getByText(/simulated \/ measured$/).first().waitFor();
+  await page.getByRole("button", { name: "Save panel 7.csv with its new states" }).waitFor();
+  await tool(page, "fit");
   await choose("state,theta_deg,X,Y,Z\nred,8,0.1,0.08,0.05\n");
   await file.getByText(/ΔE00 of the design: red \d+\.\d\. Note/).waitFor();
   onlyRefusals();
