@@ -128,9 +128,10 @@ export interface Face {
   readonly isKernel: boolean;
 }
 
+/** Returns the name of a layer by its path. Keys count from 0, names from 1. */
 const numbered = (path: string): string => {
   const index = /\.(\d+)$/.exec(path)?.[1];
-  return index === undefined ? "the diffuser" : `layer ${index}`;
+  return index === undefined ? "the diffuser" : `layer ${Number(index) + 1}`;
 };
 
 export const faceName = ({ path, file }: Face): string => `${file.split("/").at(-1)} (${numbered(path)})`;
@@ -186,7 +187,7 @@ export function placesOf(fields: Json): Place[] {
     const edits = (file: string): Edit[] => [{ op: "set", path, value: { kind: "diffuser", ...value(file) } }];
     return [
       {
-        name: `In place of ${textAt(layer, "model") === "microgeometry" ? "the surface" : what}, layer ${i}`,
+        name: `In place of ${textAt(layer, "model") === "microgeometry" ? "the surface" : what}, layer ${i + 1}`,
         edits,
       },
     ];

@@ -107,7 +107,7 @@ test("surface becomes the face of the display, and is found again in its layer",
   // The surface of an example, with the key of its layer.
   await example(page, "etched-face");
   await settled(page);
-  await panel(page).getByRole("button", { name: "etched.toml (layer 0)" }).click();
+  await panel(page).getByRole("button", { name: "etched.toml (layer 1)" }).click();
   await panel(page).locator(".surface-name", { hasText: "etched.toml" }).waitFor();
   assert.equal(await page.locator("#surface-correlation_um").inputValue(), "10");
   assert.deepEqual(on.complaints, []);

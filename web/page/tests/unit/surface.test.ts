@@ -55,7 +55,7 @@ const FACE = { kind: "diffuser", model: "microgeometry", surface: "../surfaces/e
 test("surfaces of a display are found and named", () => {
   const kernel = { kind: "diffuser", model: "microgeometry", file: "face.npz" };
   const faces = facesOf({ display: { layers: [{ kind: "medium", index: 1.5 }, FACE, kernel] } });
-  assert.deepEqual(faces.map(faceName), ["etched.toml (layer 1)", "face.npz (layer 2)"]);
+  assert.deepEqual(faces.map(faceName), ["etched.toml (layer 2)", "face.npz (layer 3)"]);
   assert.deepEqual(
     faces.map(({ isKernel }) => isKernel),
     [false, true],
@@ -72,7 +72,7 @@ test("surface takes the place of an interface, and of the diffuser on the glass"
   const places = placesOf({ display: { layers } });
   assert.deepEqual(
     places.map(({ name }) => name),
-    ["In place of the surface, layer 0", "In place of the rough interface, layer 2"],
+    ["In place of the surface, layer 1", "In place of the rough interface, layer 3"],
   );
   const after = edited({ display: { layers } }, places[1]!.edits("mine.toml"));
   const face = { kind: "diffuser", model: "microgeometry", surface: "mine.toml", rays: 20_000 };
