@@ -62,9 +62,9 @@ pub enum DisplayError {
     },
     /// A film with too many interference fringes over angle to tabulate.
     #[error(
-        "{key}: this layer of {thickness_nm} nm has {fringes} interference fringes over angle at {nm} nm, more than \
-         can be tabulated (expected films with a total thickness of at most about {most_mm} mm; a thicker layer does \
-         not interfere in room light: describe it as a layer of the display)"
+        "{key}: this layer of {thickness_nm} nm has {fringes} interference fringes over angle at {nm} nm, and the table of the film over direction \
+         would need more than {most_panels} panels (expected fewer or wider fringes: a thinner layer, or mirrors around it that reflect less; a layer of \
+         more than about 0.01 mm does not interfere in room light: describe it as a layer of the display)"
     )]
     Fringes {
         /// The key of the layer's thickness or gap.
@@ -75,8 +75,8 @@ pub enum DisplayError {
         fringes: f64,
         /// Wavelength, nm.
         nm: f64,
-        /// Approximate largest total thickness of films, mm.
-        most_mm: f64,
+        /// Largest number of panels of a table.
+        most_panels: usize,
     },
     /// A surface that cannot be measured.
     #[error("{key}: the surface cannot be measured: {error}")]
@@ -430,16 +430,19 @@ pub enum DisplayError {
     Interrupted,
 }
 
-/// Approximate largest thickness of a coating, mm.
-const THICKEST_COATING_MM: f64 = 0.05;
-
 impl DisplayError {
     /// Converts the error of a coating whose key is `key`.
     pub(crate) fn of_coating(error: OpticsError, key: &str) -> Self {
         match error {
             OpticsError::Fringes { layer, thickness_nm, fringes, nm } => {
                 let key = format!("{key}.film.{layer}.thickness_nm");
-                Self::Fringes { key, thickness_nm, fringes, nm, most_mm: THICKEST_COATING_MM }
+                Self::Fringes {
+                    key,
+                    thickness_nm,
+                    fringes,
+                    nm,
+                    most_panels: papilio_optics::film::Coating::MOST_PANELS,
+                }
             }
             error => error.into(),
         }

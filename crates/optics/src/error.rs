@@ -57,7 +57,8 @@ pub enum OpticsError {
     /// A coating with too many fringes over direction to tabulate.
     #[error(
         "layer {layer} of the coating, of {thickness_nm} nm, makes {fringes} interference fringes over angle at {nm} nm, \
-         more than are tabulated (expected films of 0.05 mm in all at most)"
+         and its table over direction would need more than 256 panels (expected fewer or wider fringes: a thinner layer, or mirrors around it \
+         that reflect less)"
     )]
     Fringes {
         /// Layer with the most fringes, counted from 0.

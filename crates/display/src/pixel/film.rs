@@ -99,10 +99,12 @@ pub(crate) fn polarised_tables(
     let sample =
         polarisations.map(|one| Ok(Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?.of(one)));
     let ([s, p], [s_few, p_few]) = (both(whole)?, both(sample)?);
-    let (panels, values) =
-        table::panels(known(last), |at| side_by_side([&s_few, &p_few], at), |at| side_by_side([&s, &p], at))?
-            .ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     let width = gaps_nm.len() * grid.len();
+    let sampled = |at: &[f64]| side_by_side([&s_few, &p_few], at);
+    let panels = table::panels([2 * gaps_nm.len(), grid.len()], known(last), sampled, |at| {
+        side_by_side([&s, &p], at)
+    })?;
+    let (panels, values) = panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm))?;
     let rows = values.chunks_exact(2 * width);
     let of = |first: usize| rows.clone().flat_map(move |row| &row[first..first + width]).copied();
     let mean = of(0).zip(of(width)).map(|(s, p)| 0.5 * (s + p));
@@ -179,6 +181,7 @@ pub(crate) fn tabulated(
     let few = few_bins(grid);
     let sample = Film::at_bins(film, grid, index, gaps_nm, Beta::InGlass, &few)?;
     let panels = table::panels(
+        [gaps_nm.len(), grid.len()],
         known(last),
         |cosines| sample.at_cosines(cosines),
         |cosines| whole.at_cosines(cosines),
@@ -231,9 +234,6 @@ fn critical_cosine(film: &FilmPixel, index: &Spectrum) -> f64 {
     sine.map_or(0.0, |sine| (1.0 - sine * sine).max(0.0).sqrt())
 }
 
-/// Approximate largest thickness of a film whose fringes can be tabulated, mm.
-const THICKEST_MM: f64 = 0.015;
-
 /// Returns the error of a film with too many fringes, with the layer and the wavelength that have the most.
 fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayError {
     let gap_nm = gaps_nm.iter().copied().fold(0.0, f64::max);
@@ -262,7 +262,7 @@ fn too_many_fringes(film: &FilmPixel, grid: &Grid, gaps_nm: &[f64]) -> DisplayEr
         thickness_nm: layer.map_or(gap_nm, thickness_nm),
         fringes: most.fringes.ceil(),
         nm,
-        most_mm: THICKEST_MM,
+        most_panels: table::MOST_PANELS,
     }
 }
 
@@ -597,6 +597,53 @@ mod tests {
             }
             assert!(sum / f64::from(3 * count) < 1e-6, "{gap_nm}: mean error {}", sum / f64::from(3 * count));
         }
+    }
+
+    /// Between mirrors that absorb 2 %, the resonances of a gap are 1e-4 wide or less. The exact film is compared at its
+    /// minima over direction, which are searched for in the film itself, and on their slopes.
+    #[test]
+    fn table_is_exact_at_the_sharpest_resonances() {
+        let grid = Grid::new(540.0, 560.0, 10.0).unwrap();
+        let index = Spectrum::from_values(vec![1.5; grid.len()]);
+        let silver = Complex64::new(0.05, 3.5);
+        let mut film = film(5000.0, grid.len());
+        film.layers[0].thickness = Thickness::Fixed(45.0);
+        film.layers[0].index.fill(silver);
+        film.substrate.fill(silver);
+        let base = base(&film, &grid, &index, &mut None, None).unwrap();
+        let medium = Medium::new(index.clone());
+        let mut out = vec![0.0; grid.len()];
+        let (mut minima, mut deepest) = (0, 1.0_f64);
+        for (bin, nm) in grid.wavelengths_nm().into_iter().enumerate() {
+            let layers = [(silver, 45.0), (1.0.into(), 5000.0)];
+            let layers = layers.map(|(index, thickness_nm)| optics::Layer { index, thickness_nm }).to_vec();
+            let plain = optics::Film { incidence: 1.5, layers, substrate: silver };
+            let exact = |cosine: f64| {
+                let beta = 1.5 * (1.0 - cosine * cosine).sqrt();
+                let one = |p| optics::coherent(&plain, nm, beta, p).unwrap().reflectance;
+                0.5 * (one(optics::Polarisation::S) + one(optics::Polarisation::P))
+            };
+            let cosines: Vec<f64> = (0..4000).map(|step| 0.748 + 0.2519 * f64::from(step) / 4000.0).collect();
+            let values: Vec<f64> = cosines.iter().map(|cosine| exact(*cosine)).collect();
+            for k in 1..cosines.len() - 1 {
+                if values[k] > values[k - 1].min(values[k + 1]) {
+                    continue;
+                }
+                let [mut from, mut to] = [cosines[k - 1], cosines[k + 1]];
+                for _ in 0..40 {
+                    let [a, b] = [from + 0.382 * (to - from), from + 0.618 * (to - from)];
+                    if exact(a) < exact(b) { to = b } else { from = a }
+                }
+                (minima, deepest) = (minima + 1, deepest.min(exact(from)));
+                for away in [0.0, 1e-6, -3e-6, 1e-5, -3e-5, 1e-4, -3e-4] {
+                    let beta = 1.5 * (1.0 - (from + away) * (from + away)).sqrt();
+                    base.reflectance(beta * beta, &medium, &mut out);
+                    let error = (out[bin] - exact(from + away)).abs();
+                    assert!(error < 1e-6, "{nm} nm, cosine {from} + {away}: {error}");
+                }
+            }
+        }
+        assert!(minima > 50 && deepest < 0.7, "{minima} {deepest}");
     }
 
     #[test]

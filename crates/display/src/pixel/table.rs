@@ -11,25 +11,30 @@ use std::sync::Arc;
 use papilio_transport::CosinePanels;
 
 /// Upper limit of the interpolation error of a film pixel's table, as a reflectance, for each gap, direction
-/// and wavelength, as estimated from the last coefficients of its panels. In panels narrower than 1/64, near
-/// a critical angle, the limit increases with decreasing width, up to 1e-3; in panels of 1e-6 there is no
-/// limit.
+/// and wavelength, as estimated from the last coefficients of its panels. A view of a mirror image sees one
+/// direction alone, so that the limit is the same for panels of any width, except for those of the last
+/// halving, a millionth of all cosines, which have none: there is one at each critical angle of a transparent
+/// substrate, where the reflectance has a square root.
+///
+/// A resonance between nodes is not missed unless it is narrower than about 3e-4 of their distance: else the nodes on
+/// its slopes, which decrease as the square of the distance, differ by more than this limit from a polynomial. Its
+/// angle depends on the wavelength, so that at some of many wavelengths a node is close to it. Tables of few
+/// wavelengths begin with more panels instead ([`FIRST_VALUES`]).
 pub const TABLE_ERROR: f64 = 1e-7;
 
-/// Initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has
+/// Smallest initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has
 /// resonances near its critical angle that are far narrower than any fringe; those narrower than the last
 /// halving contain hardly any light.
 const HALVINGS: (u32, u32) = (1, 20);
 
-/// Number of halvings above which a panel is narrow.
-const NARROW: u32 = 6;
+/// Smallest number of values of the initial panels, for one gap at all wavelengths: resonances wider than about 1e-6 are found.
+const FIRST_VALUES: usize = 960;
 
-/// Largest allowed error of narrow panels.
-const NARROW_ERROR: f64 = 1e-3;
-
-/// Largest number of panels. Films that need more have at least a hundred fringes over angle. They
-/// are refused, because the error of a table that is too coarse is unlimited.
-const MOST_PANELS: usize = 1024;
+/// Largest number of panels, and of values. Films that need more have more than about 150 fringes over
+/// angle, or fewer and sharper ones. They are refused, because the error of a table that is too coarse is
+/// unlimited.
+pub(super) const MOST_PANELS: usize = 2048;
+const MOST_VALUES: usize = 100_000_000;
 
 /// Panels, with the values of the functions at their nodes.
 type Table = (CosinePanels, Arc<[f64]>);
@@ -37,18 +42,33 @@ type Table = (CosinePanels, Arc<[f64]>);
 /// Returns panels that are fine enough for functions of the cosine, with the values of the functions at the
 /// nodes, `[node][function]`. `whole` computes all functions at these cosines, `sample` some of them: if
 /// their error is too large, the others need not be computed. Panels in `known`, which suffice for similar
-/// functions, skip the sample; this affects the time only, not the result. `None` if more than
-/// [`MOST_PANELS`] are needed.
+/// functions, skip the sample; this affects the time only, not the result. The functions are those of so many `gaps` at so many
+/// `wavelengths`. `None` if they need more than [`MOST_PANELS`] or [`MOST_VALUES`].
 pub(super) fn panels<E>(
+    [gaps, wavelengths]: [usize; 2],
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
-    panels_within((|_| TABLE_ERROR, MOST_PANELS), known, sample, whole)
+    let of_gap = wavelengths.max(1) * CosinePanels::NODES;
+    let first = FIRST_VALUES.div_ceil(of_gap).next_power_of_two().ilog2();
+    let most = MOST_VALUES / (gaps.max(1) * of_gap);
+    panels_from(first.max(HALVINGS.0), (|_| TABLE_ERROR, most), known, sample, whole)
 }
 
 /// Returns the same within another error than [`TABLE_ERROR`], given the upper end of a panel, with at most this number of panels.
 pub(super) fn panels_within<E>(
+    limits: (impl Fn(f64) -> f64, usize),
+    known: Option<&CosinePanels>,
+    sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+    whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
+) -> Result<Option<Table>, E> {
+    panels_from(HALVINGS.0, limits, known, sample, whole)
+}
+
+/// Returns the same from panels of this number of halvings on.
+fn panels_from<E>(
+    first: u32,
     (error, most): (impl Fn(f64) -> f64, usize),
     known: Option<&CosinePanels>,
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
@@ -56,11 +76,10 @@ pub(super) fn panels_within<E>(
 ) -> Result<Option<Table>, E> {
     let last = last_polynomials();
     let suffice = |panel: &Panel, values: &[f64]| {
-        let error = error(panel.start() + panel.width());
-        estimated_error(values, &last) < panel.tolerance() * (error / TABLE_ERROR)
+        panel.halvings == HALVINGS.1 || estimated_error(values, &last) < error(panel.start() + panel.width())
     };
     let mut done: Vec<Panel> = Vec::new();
-    let mut open: Vec<Panel> = (0..1 << HALVINGS.0).rev().map(|k| Panel::new(k, HALVINGS.0)).collect();
+    let mut open: Vec<Panel> = (0..1 << first).rev().map(|k| Panel::new(k, first)).collect();
     while let Some(mut panel) = open.pop() {
         let nodes: Vec<f64> = panel.nodes().collect();
         let is_known = known.is_some_and(|known| known.holds(panel.start(), panel.width()));
@@ -112,17 +131,6 @@ impl Panel {
 
     pub(super) fn width(&self) -> f64 {
         0.5_f64.powi(self.halvings as i32)
-    }
-
-    /// Returns the largest allowed error: [`TABLE_ERROR`], or more in narrow panels. Near a critical angle
-    /// the reflectance has a square root, which polynomials approximate only on narrower and narrower panels,
-    /// where the error concerns less and less light. Panels of the last halving, a millionth of all cosines,
-    /// may have any error.
-    fn tolerance(&self) -> f64 {
-        if self.halvings == HALVINGS.1 {
-            return 1.0;
-        }
-        (TABLE_ERROR * 4.0_f64.powi(self.halvings.saturating_sub(NARROW) as i32)).min(NARROW_ERROR)
     }
 
     pub(super) fn nodes(&self) -> impl Iterator<Item = f64> + use<> {
@@ -186,6 +194,9 @@ fn error_of_coefficients([a, b, c, d]: [f64; LAST]) -> f64 {
 mod tests {
     use super::*;
 
+    /// Tables of many wavelengths begin with few panels.
+    const MANY: [usize; 2] = [1, 100];
+
     /// Largest difference between the true values and the table, interpolated by the second barycentric
     /// formula.
     fn largest_error(panels: &CosinePanels, values: &[f64], truth: impl Fn(f64) -> f64) -> f64 {
@@ -220,7 +231,7 @@ mod tests {
         ];
         for (number, (function, most)) in functions.into_iter().enumerate() {
             let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| function(*c)).collect());
-            let (panels, values) = panels(None, at, at).unwrap().unwrap();
+            let (panels, values) = panels(MANY, None, at, at).unwrap().unwrap();
             let error = largest_error(&panels, &values, function);
             assert!(error < TABLE_ERROR, "{number}: {error}");
             assert!(panels.count() <= most * CosinePanels::NODES, "{number}: {}", panels.count());
@@ -235,38 +246,45 @@ mod tests {
         let whole =
             |cosines: &[f64]| Ok::<_, ()>(cosines.iter().flat_map(|c| [smooth(*c), sharp(*c)]).collect());
         let blind = |cosines: &[f64]| Ok(cosines.iter().map(|c| smooth(*c)).collect());
-        let plain = panels(None, whole, whole).unwrap();
-        assert_eq!(panels(None, blind, whole).unwrap(), plain);
+        let plain = panels(MANY, None, whole, whole).unwrap();
+        assert_eq!(panels(MANY, None, blind, whole).unwrap(), plain);
         let plain = plain.unwrap();
         for known in [&[1_u32, 1][..], &[2, 2, 3, 3, 2], &[5; 32]] {
-            assert_eq!(panels(Some(&CosinePanels::new(known)), whole, whole).unwrap().unwrap(), plain);
+            assert_eq!(panels(MANY, Some(&CosinePanels::new(known)), whole, whole).unwrap().unwrap(), plain);
         }
-        assert_eq!(panels(Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
+        assert_eq!(panels(MANY, Some(&plain.0), whole, whole).unwrap().unwrap(), plain);
     }
 
-    /// A resonance of width 1e-5 is resolved if wider structure around it leads to its refinement, and the
-    /// error of a square root is small outside the narrowest panels.
+    /// A resonance of width 1e-5 is resolved wherever it is, and the error of a square root is small outside the
+    /// narrowest panels.
     #[test]
     fn narrow_resonances_and_critical_angles_are_resolved() {
-        let resonance = |c: f64| {
-            0.5 + 0.4 / (1.0 + ((c - 0.745) / 1e-5).powi(2)) + 0.1 / (1.0 + ((c - 0.745) / 1e-3).powi(2))
-        };
-        let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| resonance(*c)).collect());
-        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
-        let error = largest_error(&panels_of_it, &values, resonance);
-        assert!(error < NARROW_ERROR, "{error}");
+        for place in [0.1, 0.3456, 0.745, 0.999] {
+            let resonance = |c: f64| 0.5 + 0.4 / (1.0 + ((c - place) / 1e-5).powi(2));
+            let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| resonance(*c)).collect());
+            let (panels_of_it, values) = panels([1, 1], None, at, at).unwrap().unwrap();
+            let error = largest_error(&panels_of_it, &values, resonance);
+            assert!(error < TABLE_ERROR, "{place}: {error}");
+            let nodes = panels_of_it.nodes().collect::<Vec<f64>>();
+            let nearest = nodes.windows(2).filter(|pair| pair[0] <= place && place < pair[1]);
+            assert!(nearest.map(|pair| pair[1] - pair[0]).all(|step| step < 1e-5), "{place}");
+        }
         let critical = |c: f64| if c < 0.745 { 1.0 } else { 1.0 - (c - 0.745_f64).sqrt() };
         let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| critical(*c)).collect());
-        let (panels_of_it, values) = panels(None, at, at).unwrap().unwrap();
+        let (panels_of_it, values) = panels(MANY, None, at, at).unwrap().unwrap();
         // Coefficients of a square root decrease as a power: a geometric series underestimates the error.
-        let error = largest_error(&panels_of_it, &values, critical);
-        assert!(error < 2.0 * NARROW_ERROR, "{error}");
+        let outside = |c: f64| (c - 0.745).abs() > 2e-6;
+        for (is_near, limit) in [(true, 2e-3), (false, 2.0 * TABLE_ERROR)] {
+            let truth = |c: f64| if is_near || outside(c) { critical(c) } else { f64::NAN };
+            let error = largest_error(&panels_of_it, &values, truth);
+            assert!(error < limit, "{is_near}: {error}");
+        }
     }
 
     #[test]
     fn film_with_thousands_of_fringes_is_refused() {
-        let fringes = |c: f64| 0.5 + 0.5 * (30_000.0 * c).cos();
+        let fringes = |c: f64| 0.5 + 0.5 * (100_000.0 * c).cos();
         let at = |cosines: &[f64]| Ok::<_, ()>(cosines.iter().map(|c| fringes(*c)).collect());
-        assert!(panels(None, at, at).unwrap().is_none());
+        assert!(panels(MANY, None, at, at).unwrap().is_none());
     }
 }

@@ -33,9 +33,6 @@ use crate::chebyshev::Piecewise;
 /// Largest error between nodes.
 const TOLERANCE: f64 = 1e-9;
 
-/// Largest number of pieces of each of the two intervals of a wavelength.
-const MOST_PIECES: usize = 256;
-
 /// A coating at every wavelength, ready for look-ups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coating {
@@ -65,6 +62,9 @@ struct Table {
 }
 
 impl Coating {
+    /// Largest number of panels of the table of a wavelength, on each side of the smaller index.
+    pub const MOST_PANELS: usize = 256;
+
     /// A coating of these layers (top to bottom, thicknesses fixed) between media of these
     /// indices, one for each wavelength (nm).
     ///
@@ -82,7 +82,7 @@ impl Coating {
     ///
     /// # Errors
     /// As [`GapFilm::new`](super::GapFilm::new); if a thickness is the gap's; if the layers are
-    /// so thick, above 0.05 mm, that their fringes are too many.
+    /// so thick, or between mirrors so good, that their fringes are too many or too sharp.
     pub fn new(
         wavelengths_nm: &[f64],
         above: &[f64],
@@ -163,7 +163,7 @@ impl Table {
         let gap = ((larger - smaller) * (larger + smaller)).sqrt();
         // `q` is computed from x and not from beta, whose rounding is magnified close to the horizons: 1e-16
         // in beta is 1e-8 in q.
-        let both = Piecewise::new(TOLERANCE, MOST_PIECES, |x| {
+        let both = Piecewise::new(TOLERANCE, Coating::MOST_PANELS, |x| {
             let beta = smaller * ((1.0 - x) * (1.0 + x)).sqrt();
             let (q_smaller, q_larger) = (smaller * x, gap.hypot(smaller * x));
             let q = if above > below { [q_larger, q_smaller] } else { [q_smaller, q_larger] };
@@ -179,7 +179,7 @@ impl Table {
         };
         let denser = match above == below {
             true => None,
-            false => Some(Piecewise::new(TOLERANCE, MOST_PIECES, denser)?.ok_or(fringes)?),
+            false => Some(Piecewise::new(TOLERANCE, Coating::MOST_PANELS, denser)?.ok_or(fringes)?),
         };
         let both = both.ok_or(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })

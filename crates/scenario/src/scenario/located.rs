@@ -66,14 +66,14 @@ impl Resolved {
                 wrong.diagnostic = wrong.diagnostic.note(note).hint(hint);
                 (&source, wrong)
             }
-            DisplayError::Fringes { key, thickness_nm, fringes, nm, most_mm } => {
+            DisplayError::Fringes { key, thickness_nm, fringes, nm, most_panels } => {
                 let wrong = Diagnostic::new(format!(
-                    "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, more \
-                     than are tabulated"
+                    "this layer of {thickness_nm} nm makes {fringes} interference fringes over angle at {nm} nm, and the \
+                     table of the film over direction would need more than {most_panels} panels"
                 ))
-                .expected(format!("films with a total thickness of at most about {most_mm} mm"))
+                .expected("fewer or wider fringes: a thinner layer, or mirrors around it that reflect less")
                 .hint(
-                    "so thick a layer does not interfere in room light: describe it as a layer of the display, \
+                    "a layer of more than about 0.01 mm does not interfere in room light: describe it as a layer of the display, \
                      { kind = \"medium\", index = 1.5 }, with the thin films below it as the pixel's film or a coating",
                 );
                 (key, wrong.into())

@@ -455,7 +455,7 @@ fn too_thick_films_are_refused_at_their_place() {
                   [lighting]\nspectrum = \"E\"\nilluminance_lx = 500\ndiffuse = 1\n[viewer]\ntheta_deg = 0\n";
     let (place, path, text) = refused(coated, &[]);
     assert_eq!(path, "display.layers.1.film.1.thickness_nm");
-    assert!(place.ends_with(".toml:4:103") && text.contains("0.05 mm"), "{place}: {text}");
+    assert!(place.ends_with(".toml:4:103") && text.contains("256 panels"), "{place}: {text}");
 }
 
 /// Of a palette whose file states the illuminant of its colours, this is used; a key that contradicts it is an error.
