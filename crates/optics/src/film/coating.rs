@@ -134,6 +134,12 @@ impl Coating {
     pub fn part(&self, beta_squared: f64, bin: usize) -> CoatingPart {
         self.bins[bin].part(beta_squared)
     }
+
+    /// Returns the `|beta|^2` between which the parts of a wavelength are smooth: the ends of the pieces of its
+    /// table, which are short where the coating has sharp resonances. They do not ascend.
+    pub fn pieces(&self, bin: usize) -> Vec<f64> {
+        self.bins[bin].pieces()
+    }
 }
 
 fn layer_at(layer: &SpectralLayer, bin: usize) -> Result<Layer, OpticsError> {
@@ -183,6 +189,15 @@ impl Table {
         };
         let both = both.ok_or(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })
+    }
+
+    fn pieces(&self) -> Vec<f64> {
+        let (smaller, larger) =
+            (self.above_squared.min(self.below_squared), self.above_squared.max(self.below_squared));
+        let both = self.both.pieces().map(|(x, _)| smaller * (1.0 - x) * (1.0 + x));
+        let denser = self.denser.iter().flat_map(Piecewise::pieces);
+        let beyond = denser.map(|(x, _)| smaller + (larger - smaller) * (2.0 * x / (1.0 + x * x)).powi(2));
+        both.chain(beyond).collect()
     }
 
     fn part(&self, beta_squared: f64) -> CoatingPart {

@@ -11,6 +11,10 @@ impl LayerKind for Coating {
         Flat { t: part.transmittance, above: part.above, below: part.below }
     }
 
+    fn pieces(&self, bin: usize) -> Vec<f64> {
+        self.pieces(bin)
+    }
+
     fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
         key.push(bin as u64);
     }

@@ -94,6 +94,10 @@ impl LayerKind for FlatRun {
         self.media.iter().map(|medium| medium.index()[bin]).collect()
     }
 
+    fn pieces(&self, bin: usize) -> Vec<f64> {
+        self.interfaces.iter().flatten().flat_map(|interface| interface.kind().pieces(bin)).collect()
+    }
+
     fn spectral_key(&self, bin: usize, key: &mut Vec<u64>) {
         self.interfaces.iter().flatten().for_each(|interface| interface.kind().spectral_key(bin, key));
         self.media.iter().for_each(|medium| medium.spectral_key(bin, key));

@@ -194,6 +194,12 @@ pub(crate) trait LayerKind: Debug + Sync {
         Vec::new()
     }
 
+    /// The `|beta|^2`, in any order, between which its regular part is smooth, if that changes faster in places than
+    /// other layers do.
+    fn pieces(&self, _bin: usize) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The `|beta|` between which its kernels are linear in `beta²`: those of a surface.
     fn kinks(&self) -> Vec<f64> {
         Vec::new()

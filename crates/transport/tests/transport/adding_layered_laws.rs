@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use crate::layers::*;
+use num_complex::Complex64;
 use papilio_optics::film::{Coating, SpectralLayer, Thickness};
 use papilio_optics::lobe::Lobe;
 use papilio_optics::rough::{Distribution, Rough};
@@ -340,5 +341,55 @@ fn monte_carlo_agrees_with_adding() {
     ];
     for (name, stack) in everyday(5, stacks) {
         assert_monte_carlo_agrees(name, &stack, 1, sized(16, 64));
+    }
+}
+
+/// Reflectance and transmittance, mean of s and p, of layers in air on glass, from air or from the glass: the product
+/// of their characteristic matrices (Born and Wolf, 1.6.2).
+fn by_matrices(layers: &[(f64, f64)], [first, last]: [f64; 2], beta: f64) -> [f64; 2] {
+    let of = |is_s: bool| {
+        let q = |index: f64| Complex64::from(index * index - beta * beta).sqrt();
+        let admittance = |index: f64| if is_s { q(index) } else { q(index) / (index * index) };
+        let (mut u, mut v) = (Complex64::ONE, admittance(last));
+        for (index, nm) in layers.iter().rev() {
+            let (phase, eta) = (q(*index) * (2.0 * std::f64::consts::PI * nm / 550.0), admittance(*index));
+            let (sine, cosine) = (phase.sin() * Complex64::I, phase.cos());
+            (u, v) = (cosine * u - sine / eta * v, cosine * v - sine * eta * u);
+        }
+        let eta = admittance(first);
+        let sum = eta * u + v;
+        [((eta * u - v) / sum).norm_sqr(), 4.0 * eta.re * admittance(last).re / sum.norm_sqr()]
+    };
+    let [s, p] = [true, false].map(of);
+    [0.5 * (s[0] + p[0]), 0.5 * (s[1] + p[1])]
+}
+
+/// A guided mode between gaps of air, on glass above paper in diffuse light: its resonances are narrower than the distance of
+/// nodes. The sum of all orders, with means by the midpoint rule of 20 000 points.
+#[test]
+fn sharp_resonances_of_a_coating_are_averaged() {
+    let films = [(1.0, 1500.0), (2.0, 300.0), (1.0, 1500.0)];
+    let layer =
+        |(n, nm): (f64, f64)| SpectralLayer { index: vec![n.into()], thickness: Thickness::Fixed(nm) };
+    let coating = Coating::new(&[550.0], &[1.0], &films.map(layer), &[1.5]).unwrap();
+    let coated = stack([(Interface::Coating(coating), clear(1.5))], lambertian(0.8));
+    const POINTS: usize = 20_000;
+    let (mut enters, mut returns) = (0.0, 0.0);
+    for point in 0..POINTS {
+        let cosine = (point as f64 + 0.5) / POINTS as f64;
+        let beta = (1.0 - cosine * cosine).sqrt();
+        let weight = 2.0 * cosine / POINTS as f64;
+        enters += weight * by_matrices(&films, [1.0, 1.5], beta)[1];
+        returns += weight * by_matrices(&films, [1.5, 1.0], beta)[0] / 2.25;
+    }
+    // Beyond the critical angle all light is reflected.
+    returns += 1.0 - 1.0 / 2.25;
+    for degrees in [0.0, 45.0] {
+        let beta = f64::sin(f64::to_radians(degrees));
+        let [front, through] = by_matrices(&films, [1.0, 1.5], beta);
+        let expected = front + through * enters / 2.25 * 0.8 / (1.0 - 0.8 * returns);
+        let found = [0, 1].map(|level| rho(&estimate(level, &coated, view(degrees), &[Source::Diffuse]), 0));
+        assert_close("level 0", found[0], expected, 2e-7);
+        assert_close("level 1", found[1], expected, 2e-7);
     }
 }

@@ -8,6 +8,7 @@ use papilio_optics::rough::Rough;
 use papilio_optics::scatter::Scatter;
 
 use super::algebra::Operator;
+use super::averages::averaged;
 use super::azimuth::Sampling;
 use super::grid::Grid;
 use super::known::Known;
@@ -192,14 +193,16 @@ pub(super) struct Elements<'a> {
     upper: Vec<Element<'a>>,
     last: Option<Element<'a>>,
     lower: Vec<Element<'a>>,
+    /// Whether the base below them keeps the direction of light.
+    specular: bool,
 }
 
 impl<'a> Elements<'a> {
-    pub(super) fn new(mut all: Vec<Element<'a>>) -> Self {
+    pub(super) fn new(mut all: Vec<Element<'a>>, specular: bool) -> Self {
         let upper = all.iter().rposition(|element| !element.is_flat()).unwrap_or(0);
         let mut rest = all.split_off(upper);
         let lower = rest.split_off(rest.iter().take(1).filter(|element| !element.is_flat()).count());
-        Self { upper: all, last: rest.pop(), lower }
+        Self { upper: all, last: rest.pop(), lower, specular }
     }
 
     /// Returns the index of the medium below the last scatterer: that of air if there is none.
@@ -215,14 +218,21 @@ impl<'a> Elements<'a> {
     /// Returns the layers above the last scatterer, as one part of this order.
     pub(super) fn upper(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
         let air = |beta: f64| Flat { t: if beta < 1.0 { 1.0 } else { 0.0 }, above: 0.0, below: 0.0 };
-        compose(Part::flat(grid, air), &self.upper, scattered, order, grid)
+        compose(Part::flat(grid, air), (&self.upper, true), scattered, order, grid)
     }
 
     /// Returns the last scatterer in this order.
     pub(super) fn last(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
-        let nothing =
-            || compose(Part::flat(grid, |_| Flat { t: 1.0, above: 0.0, below: 0.0 }), &[], &[], order, grid);
-        self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid))
+        let nothing = || {
+            compose(
+                Part::flat(grid, |_| Flat { t: 1.0, above: 0.0, below: 0.0 }),
+                (&[], true),
+                &[],
+                order,
+                grid,
+            )
+        };
+        self.last.as_ref().map_or_else(nothing, |last| last.in_order(scattered, order, grid, true))
     }
 
     /// Returns the layers down to the last scatterer below the flat part `upper`, if their round trips keep
@@ -258,7 +268,7 @@ impl<'a> Elements<'a> {
     pub(super) fn lower(&self, grid: &Grid) -> Part {
         let carried = |beta: f64| if beta < self.index() { 1.0 } else { 0.0 };
         let medium = Part::flat(grid, |beta| Flat { t: carried(beta), above: 0.0, below: 0.0 });
-        compose(medium, &self.lower, &[], 0, grid)
+        compose(medium, (&self.lower, !self.specular), &[], 0, grid)
     }
 }
 
@@ -274,10 +284,11 @@ pub(super) fn regular(kind: &dyn LayerKind, bin: usize, indices: [f64; 2], beta:
     }
 }
 
-/// Composes successive layers into one part of this order, with the operators of the scatterers in it.
+/// Composes successive layers into one part of this order, with the operators of the scatterers in it; flat ones
+/// by their averages, or at each node.
 fn compose(
     first: Part,
-    elements: &[Element<'_>],
+    (elements, averages): (&[Element<'_>], bool),
     scattered: &[Scattered],
     order: usize,
     grid: &Grid,
@@ -287,7 +298,7 @@ fn compose(
         whole.absorbed = Some([nothing(grid.len()), nothing(grid.len())]);
     }
     for element in elements {
-        whole = whole.over(&element.in_order(scattered, order, grid), grid);
+        whole = whole.over(&element.in_order(scattered, order, grid, averages), grid);
     }
     whole
 }
@@ -297,15 +308,20 @@ impl Element<'_> {
         matches!(self.action, Action::Regular | Action::Clear { .. })
     }
 
-    fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid) -> Part {
-        let part = self.part(scattered, grid);
+    fn in_order(&self, scattered: &[Scattered], order: usize, grid: &Grid, averages: bool) -> Part {
+        let part = self.part(scattered, grid, averages);
         if order == 0 { self.with_absorption(part, grid) } else { part }
     }
 
-    fn part(&self, scattered: &[Scattered], grid: &Grid) -> Part {
+    fn part(&self, scattered: &[Scattered], grid: &Grid, averages: bool) -> Part {
         let index = self.above;
         match &self.action {
-            Action::Regular => Part::flat(grid, |beta| self.regular(beta)),
+            Action::Regular => {
+                let flat = |beta: f64| self.regular(beta);
+                // Round trips between flat layers and a mirror are those of single directions.
+                let pieces = if averages { self.kind.pieces(self.bin) } else { Vec::new() };
+                Part::of_flats(grid, &averaged(grid, &pieces, flat))
+            }
             Action::Clear { transmittance } => Part::flat(grid, |beta| {
                 let cosine = (1.0 - (beta / index).powi(2)).max(0.0).sqrt();
                 let t = if beta < index { transmittance.powf(1.0 / cosine) } else { 0.0 };

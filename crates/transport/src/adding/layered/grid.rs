@@ -56,6 +56,23 @@ impl Density {
     }
 }
 
+/// Returns, at x of a range (-1 to 1), the share of `|beta|^2` between its ends, and its derivative by x.
+pub(super) fn share_and_density(x: f64, roots: bool) -> [f64; 2] {
+    if !roots {
+        return [0.5 * (x + 1.0), 0.5];
+    }
+    // t is in (0, 1); d(beta^2) = (b^2 - a^2) sin(2 turn) d(turn).
+    let turn = PI * 0.25 * (x + 1.0);
+    [turn.sin().powi(2), (2.0 * turn).sin() * PI * 0.25]
+}
+
+/// Returns x, -1 to 1, of this `|beta|^2` in the range between these `|beta|`.
+pub(super) fn variable(ends: [f64; 2], roots: bool, beta_squared: f64) -> f64 {
+    let [low, high] = ends.map(|end| end * end);
+    let share = ((beta_squared - low) / (high - low)).clamp(0.0, 1.0);
+    if roots { share.sqrt().asin() * 4.0 / PI - 1.0 } else { 2.0 * share - 1.0 }
+}
+
 impl Grid {
     /// Builds a grid between these splits, with these extra nodes.
     pub(super) fn new(splits: &Splits, density: Density, extra: &[f64]) -> Self {
@@ -64,13 +81,7 @@ impl Grid {
         for Between { ends: [a, b], count, roots } in &ranges {
             let all = b * b - a * a;
             for node in legendre(*count) {
-                // The nodes of the rule are in (-1, 1); t is in (0, 1).
-                let turn = PI * 0.25 * (node.x + 1.0);
-                // d(beta^2) = (b^2 - a^2) sin(2 turn) d(turn).
-                let [share, density] = match roots {
-                    true => [turn.sin().powi(2), (2.0 * turn).sin() * PI * 0.25],
-                    false => [0.5 * (node.x + 1.0), 0.5],
-                };
+                let [share, density] = share_and_density(node.x, *roots);
                 beta.push((a * a + all * share).sqrt());
                 scale.push((PI * all * density * node.weight).sqrt());
             }
@@ -97,6 +108,11 @@ impl Grid {
             Range { from, to, roots, first: first - count, nodes, windows }
         };
         Interpolation(self.ranges.iter().map(range).collect())
+    }
+
+    /// Returns the ranges between two splits.
+    pub(super) fn all_ranges(&self) -> &[Between] {
+        &self.ranges
     }
 
     /// Returns the ranges between two splits, and their numbers of nodes.
@@ -156,9 +172,7 @@ impl Interpolation {
     pub(super) fn factors(&self, beta: f64) -> (std::ops::Range<usize>, [f64; NEAREST]) {
         let mut factors = [0.0; NEAREST];
         let Some(range) = self.0.iter().find(|range| beta < range.to) else { return (0..0, factors) };
-        let [low, high] = [range.from, range.to].map(|end| end * end);
-        let share = ((beta * beta - low) / (high - low)).clamp(0.0, 1.0);
-        let x = if range.roots { share.sqrt().asin() * 4.0 / PI - 1.0 } else { 2.0 * share - 1.0 };
+        let x = variable([range.from, range.to], range.roots, beta * beta);
         let begin = range.window(x);
         let window = &range.windows[begin];
         let some = range.first + begin..range.first + begin + window.len();

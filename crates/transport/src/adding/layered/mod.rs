@@ -12,6 +12,7 @@
 //!   a few beams; [`matrix`]: their elements;
 //! - [`slab`], [`lobes`], [`rough`]: scatterers; [`elements`]: layers as [`part`]s; [`part`]: combination of
 //!   two parts;
+//! - [`averages`]: flat layers that change faster over direction than the nodes resolve;
 //! - [`wavelengths`]: those at which a first answer is computed;
 //! - [`azimuth`]: Fourier orders of kernels without a closed series; [`once`]: light that such a kernel
 //!   scatters only once, which needs none;
@@ -33,6 +34,7 @@
 //! number of azimuthal orders: both as 1/width of the narrowest lobe. Diffuse light takes only order 0.
 
 mod algebra;
+mod averages;
 mod azimuth;
 mod base;
 mod beam_response;

@@ -37,7 +37,11 @@ fn sum(mut a: Absorbed, others: [Absorbed; 2]) -> Absorbed {
 impl Part {
     /// Returns a flat part, given by `flat` at each node.
     pub(super) fn flat(grid: &Grid, flat: impl Fn(f64) -> Flat) -> Self {
-        let flats: Vec<Flat> = grid.beta.iter().map(|&beta| flat(beta)).collect();
+        Self::of_flats(grid, &grid.beta.iter().map(|&beta| flat(beta)).collect::<Vec<_>>())
+    }
+
+    /// Returns a flat part, given at each node.
+    pub(super) fn of_flats(grid: &Grid, flats: &[Flat]) -> Self {
         let diagonal = |f: fn(&Flat) -> f64| Operator::diagonal(grid.regular, flats.iter().map(f).collect());
         Self {
             above: diagonal(|f| f.above),

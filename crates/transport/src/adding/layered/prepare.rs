@@ -331,7 +331,7 @@ fn prepare(
         .map(|bins| {
             let all =
                 elements(stack, bins[0], (&grid, precision), beyond_first, known, &mut scatterers, stop);
-            let elements = Elements::new(all);
+            let elements = Elements::new(all, stack.base().is_specular());
             let kept = grid.kept(elements.index());
             let group = Group {
                 bins,
