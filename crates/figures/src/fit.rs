@@ -32,11 +32,20 @@ pub struct FittedSpectrum {
 
 /// Draws the measured spectra with bands of two standard deviations, and their fits.
 pub fn fitted_spectra(all: &[FittedSpectrum], title: &str) -> String {
-    let values = all.iter().flat_map(|one| one.measured.iter().chain(&one.predicted).copied());
-    let y = Axis::covering(values.chain([0.0]), 6, "Reflectance factor");
+    let predicted = all.iter().flat_map(|one| one.predicted.iter().copied());
+    let highest = all
+        .iter()
+        .flat_map(|one| one.measured.iter().zip(&one.deviation).map(|(value, by)| value + BAND * by));
+    let y = Axis::covering(predicted.chain(highest).chain([0.0]), 6, "Reflectance factor");
+    // Measured values near 0 have bands that reach below it.
+    let lowest = y.min();
     drawn(all, title, (y, ["fitted", "measured, with 2 standard deviations"]), |svg, panel, one, stroke| {
         let band = |times: f64| -> Vec<f64> {
-            one.measured.iter().zip(&one.deviation).map(|(value, by)| value + times * by).collect()
+            one.measured
+                .iter()
+                .zip(&one.deviation)
+                .map(|(value, by)| (value + times * by).max(lowest))
+                .collect()
         };
         let edges = [BAND, -BAND].map(|times| panel.points(&one.wavelength_nm, &band(times)));
         let [upper, lower] = edges;
