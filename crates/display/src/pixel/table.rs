@@ -19,7 +19,7 @@ use papilio_transport::CosinePanels;
 /// A resonance between nodes is not missed unless it is narrower than about 3e-4 of their distance: else the nodes on
 /// its slopes, which decrease as the square of the distance, differ by more than this limit from a polynomial. Its
 /// angle depends on the wavelength, so that at some of many wavelengths a node is close to it. Tables of few
-/// wavelengths begin with more panels instead ([`FIRST_VALUES`]).
+/// wavelengths begin with more panels instead.
 pub const TABLE_ERROR: f64 = 1e-7;
 
 /// Smallest initial and largest number of halvings of the panel from 0 to 1. Between mirrors a thick gap has
