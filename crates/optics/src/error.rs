@@ -57,8 +57,9 @@ pub enum OpticsError {
     /// A coating with too many fringes over direction to tabulate.
     #[error(
         "layer {layer} of the coating, of {thickness_nm} nm, makes {fringes} interference fringes over angle at {nm} nm, \
-         and its table over direction would need more than 256 panels (expected fewer or wider fringes: a thinner layer, or mirrors around it \
-         that reflect less)"
+         and its table over direction would need more than {most} panels (expected fewer or wider fringes: a thinner layer, or mirrors around it \
+         that reflect less)",
+        most = crate::film::Coating::MOST_PANELS
     )]
     Fringes {
         /// Layer with the most fringes, counted from 0.

@@ -378,7 +378,8 @@ mod tests {
         }
     }
 
-    /// The two cubics of the chromaticity of daylight meet at 7000 K but for their rounding: 0.30535 and 0.30536. CIE 15 takes the first there.
+    /// The two cubics of the chromaticity of daylight meet at 7000 K but for the rounding of their coefficients: x = 0.3053574 and
+    /// 0.3053570. CIE 15 takes the first there.
     #[test]
     fn daylight_at_7000_k_has_the_chromaticity_of_the_first_cubic() {
         let grid = visible(5.0);

@@ -27,13 +27,18 @@ pub const TABLE_ERROR: f64 = 1e-7;
 /// halving contain hardly any light.
 const HALVINGS: (u32, u32) = (1, 20);
 
+/// Number of halvings above which panels are those of resonances and critical angles, whose last coefficients decrease irregularly: of their
+/// estimated error, up to 8 times too small, only this fraction of the limit is allowed.
+const NARROW: u32 = 6;
+const MARGIN: f64 = 0.1;
+
 /// Smallest number of values of the initial panels, for one gap at all wavelengths: resonances wider than about 1e-6 are found.
 const FIRST_VALUES: usize = 960;
 
 /// Largest number of panels, and of values. Films that need more have more than about 150 fringes over
 /// angle, or fewer and sharper ones. They are refused, because the error of a table that is too coarse is
 /// unlimited.
-pub(super) const MOST_PANELS: usize = 2048;
+const MOST_PANELS: usize = 2048;
 const MOST_VALUES: usize = 100_000_000;
 
 /// Panels, with the values of the functions at their nodes.
@@ -50,10 +55,15 @@ pub(super) fn panels<E>(
     sample: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
     whole: impl Fn(&[f64]) -> Result<Vec<f64>, E>,
 ) -> Result<Option<Table>, E> {
-    let of_gap = wavelengths.max(1) * CosinePanels::NODES;
-    let first = FIRST_VALUES.div_ceil(of_gap).next_power_of_two().ilog2();
-    let most = MOST_VALUES / (gaps.max(1) * of_gap);
-    panels_from(first.max(HALVINGS.0), (|_| TABLE_ERROR, most), known, sample, whole)
+    let first = FIRST_VALUES.div_ceil(wavelengths.max(1) * CosinePanels::NODES).next_power_of_two().ilog2();
+    let limits = (|_| TABLE_ERROR, most_panels([gaps, wavelengths]));
+    panels_from(first.max(HALVINGS.0), limits, known, sample, whole)
+}
+
+/// Returns the largest number of panels of so many gaps at so many wavelengths.
+pub(super) fn most_panels([gaps, wavelengths]: [usize; 2]) -> usize {
+    let values_of_panel = gaps.max(1) * wavelengths.max(1) * CosinePanels::NODES;
+    MOST_PANELS.min(MOST_VALUES / values_of_panel)
 }
 
 /// Returns the same within another error than [`TABLE_ERROR`], given the upper end of a panel, with at most this number of panels.
@@ -76,7 +86,9 @@ fn panels_from<E>(
 ) -> Result<Option<Table>, E> {
     let last = last_polynomials();
     let suffice = |panel: &Panel, values: &[f64]| {
-        panel.halvings == HALVINGS.1 || estimated_error(values, &last) < error(panel.start() + panel.width())
+        let margin = if panel.halvings > NARROW { MARGIN } else { 1.0 };
+        let most = margin * error(panel.start() + panel.width());
+        panel.halvings == HALVINGS.1 || estimated_error(values, &last) < most
     };
     let mut done: Vec<Panel> = Vec::new();
     let mut open: Vec<Panel> = (0..1 << first).rev().map(|k| Panel::new(k, first)).collect();
