@@ -6,9 +6,10 @@ use papilio_display::pixel::{PixelAbsorption, PixelLayer, SubPixelAbsorption};
 use papilio_display::result::{Named, RunResult, StateValues};
 use papilio_display::{AmbientLight, AmbientSource, ConeGrid, ConeResult, ConeState};
 use papilio_figures::{
-    AngleMetric, Diagram, PixelScan, Transmission, absorption, against_angle, chromaticity, compared_gamuts,
-    compared_metrics, compared_panels, compared_spectra, cone, cone_differences, gamut_rings, light,
-    overview, patches, pixel_scan, png, spectra, spectra_over, transmission,
+    AngleMetric, Diagram, FittedSpectrum, PixelScan, Transmission, absorption, against_angle, chromaticity,
+    compared_gamuts, compared_metrics, compared_panels, compared_spectra, cone, cone_differences,
+    fitted_spectra, gamut_rings, light, overview, patches, pixel_scan, png, spectra, spectra_over,
+    transmission,
 };
 
 mod cones;
@@ -576,4 +577,24 @@ fn absorptances_are_stacked_by_layer() {
     texts(&absorption(&all, "air", TITLE));
     (all.sub_pixels, all.layers, all.theta_deg) = (vec![], vec![], vec![]);
     texts(&absorption(&all, "air", TITLE));
+}
+
+/// Bands of measured values near 0 end at the axis, and the axis contains the bands of the largest ones.
+#[test]
+fn bands_of_a_fit_are_within_its_axes() {
+    let spectrum = FittedSpectrum {
+        name: "white".to_owned(),
+        wavelength_nm: vec![500.0, 550.0, 600.0],
+        measured: vec![0.001, 0.5, 0.99],
+        deviation: vec![0.02, 0.02, 0.2],
+        predicted: vec![0.002, 0.5, 0.95],
+    };
+    let svg = fitted_spectra(&[spectrum], "A fit");
+    let points = svg.split("<polygon").nth(1).unwrap().split("points=\"").nth(1).unwrap().split('"').next();
+    let y = points.unwrap().split(' ').map(|point| point.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+    let y: Vec<f64> = y.collect();
+    // The panel is from 44 to 394 px: three points of the upper edge, then three of the lower one.
+    assert_eq!(y.len(), 6, "{y:?}");
+    assert!(y.iter().all(|y| (44.0..=394.0).contains(y)), "{y:?}");
+    assert_eq!(y[5], 394.0, "{y:?}");
 }
