@@ -27,6 +27,7 @@
 //! [`result`](crate::result).
 
 mod below_layers;
+mod bessel;
 mod blur;
 mod blur_walk;
 mod bounds;

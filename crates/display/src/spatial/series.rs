@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 
 use papilio_transport::spatial::PixelSpread;
 
+use super::bessel;
+
 /// Number of rings with which cells are filled.
 const RINGS: usize = 300;
 
@@ -61,24 +63,30 @@ impl Series {
         self.with_inside(sums, |spread| spread.below(at_mm))
     }
 
+    /// `J_0` at the frequencies of the series above 0, for a distance; none for the distance 0, where it is 1.
+    fn waves(&self, distance_mm: f64) -> Option<Vec<f64>> {
+        let turn = 2.0 * PI * self.step_per_mm * distance_mm;
+        (distance_mm > 0.0).then(|| bessel::multiples(0, turn, self.count().saturating_sub(1)))
+    }
+
     /// Light of each state within a radius above 0 about the view's own ray. `distance_mm`: of the point from
-    /// there.
-    fn within(&self, radius_mm: f64, distance_mm: f64) -> Vec<f64> {
+    /// there, with its waves.
+    fn within(&self, radius_mm: f64, distance_mm: f64, waves: Option<&[f64]>) -> Vec<f64> {
         let step = self.step_per_mm;
         let turn = 2.0 * PI * step;
+        let mut factors = bessel::multiples(1, turn * radius_mm, self.count().saturating_sub(1));
+        if let Some(waves) = waves {
+            factors.iter_mut().zip(waves).for_each(|(factor, wave)| *factor *= wave);
+        }
         // The trapezoidal rule, with the slope of the integrand at 0.
         let slope = step * step / 12.0 * PI * radius_mm;
-        let mut sums: Vec<f64> = self.rest.iter().map(|rest| slope * rest[0]).collect();
-        for k in 1..self.count() {
-            let mut factor = step * libm::j1(turn * radius_mm * k as f64);
-            if distance_mm > 0.0 {
-                factor *= libm::j0(turn * distance_mm * k as f64);
-            }
-            sums.iter_mut().zip(&self.rest).for_each(|(sum, rest)| *sum += rest[k] * factor);
-        }
-        let sharp = |sharp: &f64| if distance_mm < radius_mm { *sharp } else { 0.0 };
-        let states = sums.iter().zip(&self.sharp);
-        let sums = states.map(|(sum, own)| sharp(own) + 2.0 * PI * radius_mm * sum).collect();
+        let of_state = |(rest, sharp): (&Vec<f64>, &f64)| {
+            let mut sum = slope * rest[0];
+            rest[1..].iter().zip(&factors).for_each(|(rest, factor)| sum += rest * (step * factor));
+            let own = if distance_mm < radius_mm { *sharp } else { 0.0 };
+            own + 2.0 * PI * radius_mm * sum
+        };
+        let sums = self.rest.iter().zip(&self.sharp).map(of_state).collect();
         self.with_inside(sums, |spread| spread.within(radius_mm, distance_mm))
     }
 
@@ -106,7 +114,8 @@ impl Series {
     /// Light of rings about the view's own ray.
     pub(super) fn rings(&self, radii_mm: &[f64]) -> Vec<Vec<f64>> {
         let distance = self.at_mm[0].hypot(self.at_mm[1]);
-        self.bins(|at| self.within(at, distance), radii_mm)
+        let waves = self.waves(distance);
+        self.bins(|at| self.within(at, distance, waves.as_deref()), radii_mm)
     }
 
     /// Light of cells.
@@ -118,7 +127,7 @@ impl Series {
         let most = [&x_mm, &y_mm].map(|edges| edges.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
         let step = most[0].hypot(most[1]) / RINGS as f64;
         let radii: Vec<f64> = (1..=RINGS).map(|k| k as f64 * step).collect();
-        let rings = self.bins(|at| self.within(at, 0.0), &radii);
+        let rings = self.bins(|at| self.within(at, 0.0, None), &radii);
         let columns = x_mm.len() - 1;
         let of_state = |state: usize| {
             let mut cells = vec![0.0; columns * (y_mm.len() - 1)];
