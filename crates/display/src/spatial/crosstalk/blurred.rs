@@ -51,7 +51,8 @@ impl Frame<'_> {
         let spread = PanelSpread::new(&panel, &view.field, source, accuracy).map_err(not_computed)?;
         let wanted = Wanted { parts: &self.parts, page: &self.surfaces.states[self.page] };
         let bases = [&panel.base, &whole.base];
-        let (mut once, pages) = gather(&spread, (bases, &panel.medium), weights, &self.windows, &wanted);
+        let sums = (&spread, level.is_other);
+        let (mut once, pages) = gather(sums, (bases, &panel.medium), weights, &self.windows, &wanted);
         let mut returned = None;
         if lit.returns() && whole.base.is_specular() {
             let through = |part: &papilio_transport::spatial::Part| -> f64 {

@@ -99,9 +99,7 @@ impl<'a> Frame<'a> {
         };
         let at = |number: usize| self.measure(view, level(number, false));
         let other = |number: usize| {
-            let has_others = self.panel.is_some_and(|panel| {
-                returns(panel) && matches!(panel.top, Top::Diffuser(_)) && panel.base.is_specular()
-            });
+            let has_others = self.panel.is_some_and(|panel| matches!(panel.top, Top::Diffuser(_)));
             has_others.then(|| self.measure(view, level(number, true))).transpose()
         };
         refined(self.setup, view, (finest, factor), (at, other), control)

@@ -1,7 +1,8 @@
 //! Light of each surface by the place where it leaves the pixels: sums over the directions that a view sees.
 //!
 //! A direction that a view sees shows the pixels, shifted by a vector: what a window or a pixel shows of
-//! another is the area that they share. Areas are exact; only the directions are a sum.
+//! another is the area that they share. Areas are exact; only the directions are a sum. Areas have kinks where borders meet:
+//! the sum over other directions tells the error that they cause.
 
 use std::collections::BTreeMap;
 
@@ -86,9 +87,9 @@ impl Windows {
 
 /// Sums what is seen along all directions of a spread of the surfaces `base`, and the colours of pages of
 /// each state of `pages`. `weights` are those of the light at each wavelength in
-/// X, Y and Z.
+/// X, Y and Z. The sum is over other directions if `is_other`.
 pub(super) fn gather(
-    spread: &PanelSpread,
+    (spread, is_other): (&PanelSpread, bool),
     ([base, pages], medium): ([&Base; 2], &Medium),
     weights: &[Vec<f64>; 3],
     windows: &Windows,
@@ -116,7 +117,7 @@ pub(super) fn gather(
         // Pixels about the place where these directions show each at its own.
         let about = directions.moved_mm();
         let about = about.map(|at_mm| [0, 1].map(|k| (-at_mm[k] / windows.pitch_mm[k]).round() as i64));
-        directions.each_sample(|sample| {
+        directions.each_sample_of(is_other, |sample| {
             let beta_squared = sample.beta.squared();
             for (k, [curves, pages]) in curves.iter().enumerate() {
                 curves.at(beta_squared, &mut of_surfaces);

@@ -58,7 +58,13 @@ impl Part {
 
     /// Calls `each` with all that is seen, for a pixel that reflects everything and layers that transmit
     /// everything. Samples are not stored: of lobes much narrower than a source there are millions.
-    pub fn each_sample(&self, mut each: impl FnMut(Sample)) {
+    pub fn each_sample(&self, each: impl FnMut(Sample)) {
+        self.each_sample_of(false, each);
+    }
+
+    /// Calls `each` with the same light at other directions, if `is_other`. Two sums of a function with kinks, such as an area of
+    /// a pixel at the place that is seen, differ by their errors.
+    pub fn each_sample_of(&self, is_other: bool, mut each: impl FnMut(Sample)) {
         self.images.iter().copied().for_each(&mut each);
         if let Some(Moved { pair, by_mm, part, digits_less }) = &self.pair {
             let digits = (pair.accuracy.digits - digits_less).max(FEWEST_DIGITS.min(pair.accuracy.digits));
@@ -66,7 +72,7 @@ impl Part {
             if *digits_less > 0.0 {
                 pair.to_mut().accuracy.digits = digits;
             }
-            pair.each_scattered(&mut |sample: Sample| {
+            pair.each_scattered(is_other, &mut |sample: Sample| {
                 let place_mm = [0, 1].map(|k| sample.place_mm[k] + by_mm[k]);
                 each(Sample { place_mm, weight: part * sample.weight, ..sample });
             });

@@ -138,7 +138,7 @@ impl Spread {
     pub(super) fn of(pair: Pair) -> Self {
         let mut samples = pair.sharp();
         let sharp = samples.len();
-        pair.each_scattered(&mut |sample| samples.push(sample));
+        pair.each_scattered(false, &mut |sample| samples.push(sample));
         Self { pair, samples, sharp }
     }
 
