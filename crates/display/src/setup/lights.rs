@@ -38,6 +38,13 @@ pub(crate) struct LineWeights {
 /// those with more points); interference and scattering in volumes make them curved.
 pub(super) fn between(scene: &Scene) -> Between {
     let display = &scene.display;
+    // Below flat layers, the scenario compares a film pixel with itself within a step.
+    let is_coated =
+        display.layers.iter().any(|layer| matches!(layer.interface, scene::Interface::Coating(_)));
+    let is_film = matches!(display.pixel, scene::Pixel::Film(_));
+    if is_film && display.is_flat() && !is_coated && !scene.unresolved.is_empty() {
+        return Between::Linear;
+    }
     let interferes = matches!(display.pixel, scene::Pixel::Film(_) | scene::Pixel::Crystal(_));
     let is_curved = |layer: &scene::Layer| {
         matches!(layer.interface, scene::Interface::Coating(_) | scene::Interface::OfSurface(_))

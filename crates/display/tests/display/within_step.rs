@@ -145,3 +145,41 @@ fn table_that_alternates_has_half_of_its_step_as_error() {
     let warnings: Vec<_> = result.warnings.iter().filter(|warning| warning.contains("step_nm")).collect();
     assert!(warnings.is_empty(), "{warnings:?}");
 }
+
+/// Cavities with resonances of a few nanometres, narrower than the step: the difference of every state from steps of 1 nm is stated, and not overstated
+/// by a factor of five where it matters.
+#[test]
+fn interpolation_error_contains_narrow_resonances_of_film_pixels() {
+    let mirrors = |count: usize| {
+        "{ material = \"TiO2\", thickness_nm = 57 }, { material = \"SiO2\", thickness_nm = 94 }, "
+            .repeat(count)
+    };
+    let silver = |nm: u32| format!("{{ material = \"Ag\", thickness_nm = {nm} }}, ");
+    for (films, gaps, theta) in [
+        (silver(60), [290, 240, 200], 0),
+        (silver(40), [620, 520, 440], 12),
+        (mirrors(4), [300, 260, 220], 15),
+    ] {
+        let run = |step_nm: u32| {
+            let [red, green, blue] = gaps;
+            let text = format!(
+                "title = \"cavity\"\n[spectrum]\nstep_nm = {step_nm}\n[display.glass]\nindex = 1.5\nsurface = \"ideal-ar\"\n\
+                 [display.pixel]\nmodel = \"film\"\nsubstrate = \"Ag\"\narea = {{ red = 0.4, green = 0.3, blue = 0.3 }}\n\
+                 gap_nm = {{ red = {red}, green = {green}, blue = {blue}, dark = 20 }}\n\
+                 film = [{films}{{ material = \"air\", thickness_nm = \"gap\" }}]\n\
+                 [lighting]\nspectrum = \"D65\"\ndiffuse = 1\n[viewer]\ntheta_deg = {theta}\n"
+            );
+            let scenario = Scenario::from_text(&text, "cavity.toml", Path::new(""), &[]).unwrap();
+            crate::common::run(&scenario.resolve().unwrap().scene).unwrap()
+        };
+        let (coarse, fine) = (run(10), run(1));
+        for ((name, coarse), (_, fine)) in coarse.views[0].states.iter().zip(fine.views[0].states.iter()) {
+            let XyzError { X, Y, Z } = coarse.interpolation_error.unwrap();
+            let (a, b) = (&coarse.value, &fine.value);
+            for (stated, off) in [(X, a.X - b.X), (Y, a.Y - b.Y), (Z, a.Z - b.Z)] {
+                let (least, most) = (0.9 * off.abs() - 5e-5, 5.0 * off.abs() + 3e-4);
+                assert!((least..most).contains(&stated), "{name}, {gaps:?}: {stated} {off}");
+            }
+        }
+    }
+}

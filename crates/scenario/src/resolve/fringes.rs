@@ -1,9 +1,10 @@
 //! Films and liquid crystals whose interference fringes over wavelength are too narrow for the grid.
 //!
 //! For films, there are two steps. The distance of the fringes, `lambda^2/(2 sum of n d)`, shows at no cost that almost
-//! all films are thin enough. For any other film the error is computed: the error of X, Y and Z for light along the
-//! normal and at the inclinations of the views if the reflectance is known only at the wavelengths of the grid and
-//! linear between them, as in the computation of colours.
+//! all films below scatterers, and almost all coatings, are thin enough. For any other film the error is computed: the error of X, Y and Z for
+//! light along the normal and at the inclinations of the views if the reflectance is known only at the wavelengths of the grid and
+//! linear between them, as in the computation of colours. A film pixel below flat layers is always computed: between metals or
+//! mirrors of films, its resonances are much narrower than its fringes are apart. Errors of the parts of a state have signs.
 
 use num_complex::Complex64;
 use papilio_display::scene::{
@@ -60,20 +61,35 @@ impl Resolver<'_> {
         let mut of_states = self.warn_of_crystal(scene, judge);
         let inclinations = inclinations(scene);
         let is_close = |film: &FilmStack<'_>| film.spacing_nm(grid) < ENOUGH_PER_FRINGE * grid.step_nm();
+        let is_flat = scene.display.is_flat();
         let films: Vec<(FilmStack<'_>, Errors)> = films(scene)
             .into_iter()
-            .filter(is_close)
+            .filter(|film| is_close(film) || film.is_pixel && is_flat)
             .filter_map(|film| {
                 let errors = film.errors(grid, judge, grid.step_nm(), &inclinations)?;
                 Some((film, errors))
             })
             .collect();
         if let Pixel::Film(pixel) = &scene.display.pixel {
-            let of_gap = |gap_nm: f64| {
-                let of_pixel = |film: &&(FilmStack<'_>, Errors)| film.0.is_pixel && film.0.gap_nm == gap_nm;
-                films.iter().find(of_pixel).map_or([0.0; 3], |(_, errors)| errors.xyz)
-            };
-            of_states = errors_of_states(pixel, of_gap);
+            of_states = vec![[0.0; 3]; pixel.states.len()];
+            // Each view sees light of its own inclination.
+            for at in inclinations.iter().filter(|at| is_seen(scene, at)) {
+                let of_pixel = films.iter().filter(|(film, _)| film.is_pixel);
+                let of_gaps: Vec<(f64, [f64; 3])> = of_pixel
+                    .filter_map(|(film, _)| {
+                        Some((film.gap_nm, film.changes(grid, judge, grid.step_nm(), *at)?))
+                    })
+                    .collect();
+                let of_gap = |gap_nm: f64| {
+                    of_gaps
+                        .iter()
+                        .find(|(known, _)| *known == gap_nm)
+                        .map_or([0.0; 3], |(_, changes)| *changes)
+                };
+                for (largest, changes) in of_states.iter_mut().zip(changes_of_states(pixel, of_gap)) {
+                    *largest = std::array::from_fn(|k| largest[k].max(changes[k].abs()));
+                }
+            }
         }
         if let Some((film, errors)) =
             films.iter().max_by(|a, b| largest(a.1.xyz).total_cmp(&largest(b.1.xyz)))
@@ -87,17 +103,21 @@ impl Resolver<'_> {
                     .to_owned(),
             };
             let (nm, step_nm) = (grid.wavelength_nm(grid.len() / 2), grid.step_nm());
+            let cause = match is_close(film) {
+                true => {
+                    format!("its interference fringes are {:.1} nm apart near {nm} nm", film.spacing_nm(grid))
+                }
+                false => "it has narrow resonances".to_owned(),
+            };
             self.warnings.push(format!(
-                "{}: the film's reflectance changes too fast for spectrum.step_nm = {step_nm} (its interference fringes are {:.1} nm apart \
-                 near {nm} nm): {}, the error of X, Y or Z is {:.4} relative to a perfect white (a wide lobe averages over \
+                "{}: the film's reflectance changes too fast for spectrum.step_nm = {step_nm} ({cause}): {}, the error of X, Y or Z is {:.4} relative to a perfect white (a wide lobe averages over \
                  fringes, and has a smaller error); {remedy}",
                 film.key,
-                film.spacing_nm(grid),
                 errors.at,
                 largest(errors.xyz),
             ));
         }
-        if !scene.display.is_flat() {
+        if !is_flat {
             return Vec::new();
         }
         // Coatings, through which all states are seen.
@@ -165,6 +185,11 @@ fn inclinations(scene: &Scene) -> Vec<Inclination> {
     (0..count).map(chosen).collect()
 }
 
+/// Returns whether a view has this inclination.
+fn is_seen(scene: &Scene, at: &Inclination) -> bool {
+    scene.viewer.theta_deg.iter().any(|theta_deg| theta_deg.abs() == at.theta_deg)
+}
+
 impl Inclination {
     /// Returns `n sin(theta)` in a medium of this index, into which it is refracted from air. Grazing light is that at 89.9 deg.
     fn beta(self, index: f64) -> f64 {
@@ -188,8 +213,8 @@ fn added(errors: [f64; 3], more: [f64; 3], factor: f64) -> [f64; 3] {
     std::array::from_fn(|k| errors[k] + factor * more[k])
 }
 
-/// Returns the errors of X, Y and Z of the states of a film pixel from those of its gaps.
-fn errors_of_states(pixel: &FilmPixel, of_gap: impl Fn(f64) -> [f64; 3]) -> Vec<[f64; 3]> {
+/// Returns the changes of X, Y and Z of the states of a film pixel from those of its gaps.
+fn changes_of_states(pixel: &FilmPixel, of_gap: impl Fn(f64) -> [f64; 3]) -> Vec<[f64; 3]> {
     let of_state = |state: &papilio_display::scene::FilmState| {
         let mut sum = [0.0; 3];
         for (k, (drive, sub_pixel)) in state.drives.iter().zip(&pixel.sub_pixels).enumerate() {
@@ -309,7 +334,14 @@ impl FilmStack<'_> {
         Some(if beta == 0.0 { s } else { 0.5 * (s + of(Polarisation::P)?) })
     }
 
-    /// Errors of X, Y and Z ([`Judge::errors`]), from [`PER_FRINGE`] samples of each fringe, at the inclination of the largest one.
+    /// Changes of X, Y and Z ([`Judge::changes`]) at an inclination, from [`PER_FRINGE`] samples of each fringe, at least one per nanometre.
+    fn changes(&self, grid: &Grid, judge: &Judge, step_nm: f64, at: Inclination) -> Option<[f64; 3]> {
+        let (step_nm, of_fringes) = (step_nm.max(1.0), PER_FRINGE / self.spacing_nm(grid));
+        let parts = (step_nm * of_fringes.max(1.0)).ceil().clamp(2.0, MOST_PER_STEP);
+        judge.changes(step_nm, parts as usize, |nm| self.reflectance(grid, nm, at))
+    }
+
+    /// Errors of X, Y and Z, the magnitudes of these changes, at the inclination of the largest one.
     fn errors(
         &self,
         grid: &Grid,
@@ -317,9 +349,8 @@ impl FilmStack<'_> {
         step_nm: f64,
         inclinations: &[Inclination],
     ) -> Option<Errors> {
-        let parts = (step_nm.max(1.0) * PER_FRINGE / self.spacing_nm(grid)).ceil().clamp(2.0, MOST_PER_STEP);
         let errors = inclinations.iter().filter_map(|at| {
-            let xyz = judge.errors(step_nm, parts as usize, |nm| self.reflectance(grid, nm, *at))?;
+            let xyz = self.changes(grid, judge, step_nm, *at)?.map(f64::abs);
             Some(Errors { xyz, at: *at })
         });
         errors.max_by(|a, b| largest(a.xyz).total_cmp(&largest(b.xyz)))

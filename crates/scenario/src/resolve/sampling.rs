@@ -152,9 +152,9 @@ impl Judge {
         })
     }
 
-    /// Errors of X, Y and Z, relative to a perfect white, if this reflectance (a function of the wavelength, nm) is known only in
+    /// Changes of X, Y and Z, relative to a perfect white, if this reflectance (a function of the wavelength, nm) is known only in
     /// steps of `step_nm` (at least 1) and linear between them. Each step is divided into `parts`.
-    pub(super) fn errors(
+    pub(super) fn changes(
         &self,
         step_nm: f64,
         parts: usize,
@@ -180,7 +180,7 @@ impl Judge {
             }
             from = to;
         }
-        Some(off.map(f64::abs)).filter(|errors| errors.iter().all(|error| error.is_finite()))
+        Some(off).filter(|changes| changes.iter().all(|change| change.is_finite()))
     }
 
     /// The largest usual step below that of the grid at which this error is negligible; `None` if there is none.
@@ -196,7 +196,8 @@ impl Judge {
         let parts = (step_nm.max(1.0) * PER_NM as f64).ceil() as usize;
         // A table may end a little before the grid.
         let (first, last) = table.range_nm();
-        self.errors(step_nm, parts, |nm| table.at(nm.clamp(first, last)).ok())
+        let changes = self.changes(step_nm, parts, |nm| table.at(nm.clamp(first, last)).ok())?;
+        Some(changes.map(f64::abs))
     }
 
     /// Largest of them.
