@@ -26,6 +26,9 @@ const ENOUGH_PER_FRINGE: f64 = 12.0;
 const PER_FRINGE: f64 = 32.0;
 const MOST_PER_STEP: f64 = 512.0;
 
+/// Factor of the changes of a film pixel within a step: its materials, too, are estimated there.
+const MARGIN: f64 = 1.1;
+
 /// Largest number of inclinations at which films are tested.
 const MOST_INCLINATIONS: usize = 8;
 
@@ -87,7 +90,7 @@ impl Resolver<'_> {
                         .map_or([0.0; 3], |(_, changes)| *changes)
                 };
                 for (largest, changes) in of_states.iter_mut().zip(changes_of_states(pixel, of_gap)) {
-                    *largest = std::array::from_fn(|k| largest[k].max(changes[k].abs()));
+                    *largest = std::array::from_fn(|k| largest[k].max(MARGIN * changes[k].abs()));
                 }
             }
         }
