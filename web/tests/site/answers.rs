@@ -92,11 +92,14 @@ fn answer_of_one_view_is_that_among_all_views() {
 
 /// Every example and every preset but one has a live result, within the twenty seconds that the page allows. That of the face by
 /// waves, with twenty lobes at each wavelength, takes ten of them, and a liquid crystal below a haze film some: every day,
-/// they have fewer views and directions, and all have fewer wavelengths, in steps that divide the ranges of all.
+/// they have fewer directions, and all have fewer views and wavelengths, in steps that divide the ranges of all.
 #[test]
 fn every_example_and_preset_computes() {
     let server = Server::start();
-    let few = json!([{ "op": "set", "path": "spectrum.step_nm", "value": 50 }]);
+    let few = json!([
+        { "op": "set", "path": "spectrum.step_nm", "value": 50 },
+        { "op": "set", "path": "viewer.theta_deg", "value": 8 },
+    ]);
     let coarse = json!([
         { "op": "set", "path": "spectrum.step_nm", "value": 100 },
         { "op": "set", "path": "viewer.theta_deg", "value": 8 },

@@ -58,10 +58,10 @@ fn maps_of_partly_clear_diffusers_below_a_light_map_equal_single_views() {
     scene.metrics.observer = Standard::Cie1931;
     scene.solver.method = Method::Adding;
     scene.solver.stop = Stop::RelativeError { target: 1e-2, per_wavelength: false };
-    let (theta_deg, phi_deg) = ([0.0, 30.0], [0.0, 100.0, 200.0]);
+    let (theta_deg, phi_deg) = ([0.0, 30.0], sized(vec![0.0, 100.0], vec![0.0, 100.0, 200.0]));
     let maps = seen(&scene, &theta_deg, &phi_deg, 2);
     assert_eq!(format!("{maps:?}"), format!("{:?}", seen(&scene, &theta_deg, &phi_deg, 1)));
-    (scene.viewer.theta_deg, scene.viewer.phi_deg) = (theta_deg.to_vec(), phi_deg.to_vec());
+    (scene.viewer.theta_deg, scene.viewer.phi_deg) = (theta_deg.to_vec(), phi_deg);
     let views = run_on(&scene, None).unwrap().views;
     assert_eq!(maps.views.len(), views.len());
     for (map, view) in maps.views.iter().zip(&views) {
