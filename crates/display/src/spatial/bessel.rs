@@ -29,7 +29,7 @@ pub(super) fn multiples(order: u32, x: f64, count: usize) -> Vec<f64> {
             return near(z);
         }
         let (sin, cos) = match turned {
-            Some((sin, cos)) if k % RENEWED != 0 => {
+            Some((sin, cos)) if !k.is_multiple_of(RENEWED) => {
                 (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin)
             }
             _ => (z - phase).sin_cos(),
