@@ -2,17 +2,15 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Arguments from which Hankel's expansion has an error below 3e-12.
+/// Arguments from which Hankel's expansion with this number of terms has an error below 3e-12.
 const FAR: f64 = 40.0;
-
-/// Number of its terms.
 const TERMS: usize = 8;
 
-/// Multiples after which sine and cosine are computed anew, so that the errors of rotations do not add up.
+/// Number of multiples after which sine and cosine are computed directly, so that rounding errors of the recurrence do not accumulate.
 const RENEWED: usize = 64;
 
-/// Returns `J_n(k x)` of order n, 0 or 1, for k = 1 to `count`: far from zero by Hankel's expansion (Abramowitz and Stegun, 9.2.5), in a fifth of
-/// the time of each by itself.
+/// Returns `J_n(k x)` of order n, 0 or 1, for k = 1 to `count`: by Hankel's expansion (Abramowitz and Stegun, 9.2.5) where
+/// `k x` is large. Sine and cosine follow from those of the multiple before.
 pub(super) fn multiples(order: u32, x: f64, count: usize) -> Vec<f64> {
     let near = if order == 0 { libm::j0 } else { libm::j1 };
     let mut a = [1.0; TERMS];
@@ -47,7 +45,7 @@ pub(super) fn multiples(order: u32, x: f64, count: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Those of a library at each argument, where both expansions are used and for arguments above and below their limit.
+    /// The judge is a library, on both sides of the argument from which the expansion is used.
     #[test]
     fn multiples_have_the_values_of_each_alone() {
         for x in [1e-3, 0.37, 2.0 * PI, 39.9, 40.1, 1234.5] {
@@ -55,7 +53,7 @@ mod tests {
                 for (k, found) in multiples(order, x, 3000).into_iter().enumerate() {
                     let z = (k + 1) as f64 * x;
                     let error = (found - alone(z)).abs();
-                    // The rounding of the argument, and the expansion.
+                    // The error of the expansion, and the rounding of the argument.
                     assert!(error < 3e-12 + 2e-16 * z, "J{order}({z}): {found}, {error:e}");
                 }
             }

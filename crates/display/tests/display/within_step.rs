@@ -177,7 +177,7 @@ fn interpolation_error_contains_narrow_resonances_of_film_pixels() {
             let XyzError { X, Y, Z } = coarse.interpolation_error.unwrap();
             let (a, b) = (&coarse.value, &fine.value);
             for (stated, off) in [(X, a.X - b.X), (Y, a.Y - b.Y), (Z, a.Z - b.Z)] {
-                let (least, most) = (0.9 * off.abs() - 5e-5, 5.0 * off.abs() + 3e-4);
+                let (least, most) = (off.abs() - 5e-5, 5.0 * off.abs() + 3e-4);
                 assert!((least..most).contains(&stated), "{name}, {gaps:?}: {stated} {off}");
             }
         }

@@ -26,7 +26,7 @@ const ENOUGH_PER_FRINGE: f64 = 12.0;
 const PER_FRINGE: f64 = 32.0;
 const MOST_PER_STEP: f64 = 512.0;
 
-/// Factor of the changes of a film pixel within a step: its materials, too, are estimated there.
+/// Safety factor of the changes of a film pixel within a step, where the indices of its materials are interpolated, too.
 const MARGIN: f64 = 1.1;
 
 /// Largest number of inclinations at which films are tested.
