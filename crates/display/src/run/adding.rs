@@ -16,7 +16,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel};
+use papilio_transport::adding::{FINEST, FIRST_LEVELS, Kernel, error_over_difference};
 use papilio_transport::{Cone, Estimate};
 use rayon::ThreadPool;
 
@@ -208,7 +208,7 @@ pub(super) fn run_levels(
         run.setup.views.len(),
     );
     let report = |error, done| runner.report(error, if done { views } else { 0 });
-    let samples = refine_or_fail(runner.target, finest, at, error, report)?;
+    let samples = refine_or_fail(runner.target, finest, runner.times(), at, error, report)?;
     runner.result(&[Some(Group { samples, nodes: nodes() as usize })])
 }
 
@@ -283,6 +283,7 @@ impl<'a> Runner<'a> {
         let samples = refine(
             self.target,
             self.finest,
+            self.times(),
             at,
             |levels, before| self.error(levels, before),
             |error, done| {
@@ -322,6 +323,11 @@ impl<'a> Runner<'a> {
         (0..finer.len()).map(error).fold(0.0, largest)
     }
 
+    /// Returns the smallest ratio of errors to differences of levels.
+    fn times(&self) -> f64 {
+        error_over_difference(&self.run.setup.stack, &self.run.setup.sources)
+    }
+
     /// Reports the level that is computed now, which may take most of the time.
     fn report_level(&self, index: usize) {
         let done = self.views_done.load(Ordering::Relaxed);
@@ -349,13 +355,13 @@ impl<'a> Runner<'a> {
                 points.next();
                 continue;
             };
-            let Refined { finer, coarser, before, .. } = &group.samples;
+            let Refined { finer, coarser, before, raised, .. } = &group.samples;
             for (view, ((finer, coarser), at)) in finer.iter().zip(coarser).zip(&mut points).enumerate() {
                 if !finer.is_finite() {
                     return Err(DisplayError::NotFinite);
                 }
                 let before = before.as_ref().map(|before| &before[view]);
-                views.push(self.run.meter.view_of_levels(at, [finer, coarser], before, &specular));
+                views.push(self.run.meter.view_of_levels(at, [finer, coarser], (before, *raised), &specular));
             }
         }
         if views.is_empty() {

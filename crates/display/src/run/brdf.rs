@@ -165,10 +165,12 @@ impl<'a> Survey<'a> {
             .flat_map(|theta| azimuths.iter().map(|phi| view(*theta, *phi)))
             .collect();
         let sources: Vec<Source> = std::iter::once(&Source::Diffuse).chain(&self.beams).cloned().collect();
+        let mut last = 0;
         let at = |level: usize| {
             if self.control.stopped() {
                 return None;
             }
+            last = level;
             *kernel = Kernel::new(level as u32);
             // The preparation of a panel is reused, and takes milliseconds: its sample is not saved.
             let number = self.setup.stack.panel().is_none().then(|| row_number(Kind::Sample, level, 0));
@@ -192,7 +194,12 @@ impl<'a> Survey<'a> {
         };
         let of_sample = Progress { unit: "directions", ..Progress::of_views(0, 1) }.within([0.0, SAMPLE]);
         let report = |error: f64, _: bool| (self.control.progress)(of_sample.with_error(error, target));
-        refine(target, self.finest, at, error, report)
+        let refined = refine(target, self.finest, bound, at, error, report)?;
+        // A level that fluctuates more than one before is computed, but not used.
+        if refined.level != last {
+            *kernel = Kernel::new(refined.level as u32);
+        }
+        Some(refined)
     }
 
     /// Prepares a kernel; `None` if it was stopped.

@@ -278,7 +278,7 @@ impl Survey<'_> {
             finite.fold(sampled, largest)
         };
         let at = |level: usize| self.level(level, pool);
-        let refined = refine(target, self.finest, at, error, |_, _| {})?;
+        let refined = refine(target, self.finest, bound, at, error, |_, _| {})?;
         refined.finished.then_some(())?;
         let (_, errors) = errors([&refined.finer, &refined.coarser], refined.before.as_ref());
         let (unresolved, of_reference) = unresolved_rows(&refined.finer, &refined.coarser, &errors);
@@ -370,10 +370,12 @@ impl Survey<'_> {
         let fields: Vec<Cone> = std::iter::once(self.reference.field)
             .chain(self.sampled().into_iter().map(|view| setup.views[view].field))
             .collect();
+        let mut last = 0;
         let at = |level: usize| {
             if self.run.control.stopped() {
                 return None;
             }
+            last = level;
             *kernel = Kernel::new(level as u32);
             kernel
                 .prepare_unless(&setup.stack, &fields, &setup.sources, self.run.control.stop)
@@ -384,7 +386,13 @@ impl Survey<'_> {
         let error = |levels: [&Colours; 2], before: Option<&Colours>| {
             of_levels(bound, levels.map(luminous), before.map(luminous).as_deref())
         };
-        refine(target, self.finest, at, error, |error, _| self.report_sample(error, target))
+        let refined =
+            refine(target, self.finest, bound, at, error, |error, _| self.report_sample(error, target))?;
+        // A level that fluctuates more than one before is computed, but not used.
+        if refined.level != last {
+            *kernel = Kernel::new(refined.level as u32);
+        }
+        Some(refined)
     }
 
     /// Computes the colours of a view; `None` if it was stopped.

@@ -159,7 +159,7 @@ fn too_narrow(stack: &Stack) -> DisplayError {
     DisplayError::TooNarrow { what, number, nodes: nodes_needed(stack, 1), most: MOST_NODES }
 }
 
-/// Values at two or three successive levels.
+/// Values at two or three successive levels: those of the level with the smallest error.
 pub(crate) struct Refined<T> {
     pub(crate) finer: T,
     pub(crate) coarser: T,
@@ -169,37 +169,64 @@ pub(crate) struct Refined<T> {
     pub(crate) level: usize,
     /// Relative error of the finer level.
     pub(crate) error: f64,
+    /// Ratio of this error to that from these levels alone: above 1 if a still finer level differs by more.
+    pub(crate) raised: f64,
     /// False if the run was stopped before the target or the finest level was reached.
     pub(crate) finished: bool,
 }
 
 /// Computes levels from 0 until the error is at most the target, or the finest level (1 or more) is reached;
 /// `None` if stopped before two levels were computed. `at` computes a level, or returns `None` if it was
-/// stopped; `error` computes the relative error of the last of two or three levels; `report` is called with
-/// each error and whether it is the last.
+/// stopped; `error` computes the relative error of the last of two or three levels, at least `times` the difference
+/// of the last two; `report` is called with each error and whether it is the last.
+///
+/// Where a target is not met, finer levels may fluctuate instead of converging. The result is then the level with the
+/// smallest error, so that a stricter target never states a larger one.
 pub(crate) fn refine<T>(
     target: f64,
     finest: usize,
+    times: f64,
     mut at: impl FnMut(usize) -> Option<T>,
     error: impl Fn([&T; 2], Option<&T>) -> f64,
     report: impl Fn(f64, bool),
 ) -> Option<Refined<T>> {
-    let (coarser, finer) = (at(0)?, at(1)?);
-    let mut refined = Refined { finer, coarser, before: None, level: 1, error: 0.0, finished: false };
+    let mut levels = vec![at(0)?, at(1)?];
+    let mut errors = Vec::new();
     loop {
-        refined.error = error([&refined.finer, &refined.coarser], refined.before.as_ref());
+        let last = levels.len() - 1;
+        let own = error([&levels[last], &levels[last - 1]], (last > 1).then(|| &levels[last - 2]));
+        errors.push(own);
         // NaN does not disappear at finer levels.
-        let enough = refined.error <= target || refined.error.is_nan();
-        refined.finished = enough || refined.level >= finest;
-        report(refined.error, refined.finished);
-        if refined.finished {
-            return Some(refined);
-        }
-        let Some(next) = at(refined.level + 1) else { return Some(refined) };
-        refined.before =
-            Some(std::mem::replace(&mut refined.coarser, std::mem::replace(&mut refined.finer, next)));
-        refined.level += 1;
+        let is_last = own <= target || own.is_nan() || last >= finest;
+        let (best, error) = if own.is_nan() { (last, own) } else { best(&levels, &errors, times, &error) };
+        report(error, is_last);
+        let next = if is_last { None } else { at(last + 1) };
+        let Some(next) = next else {
+            let raised = if error > errors[best - 1] { error / errors[best - 1] } else { 1.0 };
+            levels.truncate(best + 1);
+            let [finer, coarser] = [levels.pop()?, levels.pop()?];
+            let before = levels.pop();
+            return Some(Refined { finer, coarser, before, level: best, error, raised, finished: is_last });
+        };
+        levels.push(next);
     }
+}
+
+/// Returns the number of the level with the smallest error, the finest of several, and this error: its own, or its
+/// difference from a finer level if that is larger. `errors` are those of levels 1, 2, ...
+fn best<T>(
+    levels: &[T],
+    errors: &[f64],
+    times: f64,
+    error: impl Fn([&T; 2], Option<&T>) -> f64,
+) -> (usize, f64) {
+    let of_level = |(number, own): (usize, &f64)| {
+        let difference = |finer: &T| error([finer, &levels[number + 1]], None) / times;
+        let later = levels[number + 2..].iter().map(difference);
+        (number + 1, later.fold(*own, largest))
+    };
+    let all = errors.iter().enumerate().map(of_level);
+    all.reduce(|best, next| if best.1 < next.1 { best } else { next }).unwrap_or((1, f64::NAN))
 }
 
 /// Refines as [`refine`] does, for levels that may fail. A level beyond the first two that adding does not
@@ -210,6 +237,7 @@ pub(crate) fn refine<T>(
 pub(crate) fn refine_or_fail<T>(
     target: f64,
     finest: usize,
+    times: f64,
     mut at: impl FnMut(usize) -> Result<T, DisplayError>,
     error: impl Fn([&T; 2], Option<&T>) -> f64,
     report: impl Fn(f64, bool),
@@ -227,7 +255,7 @@ pub(crate) fn refine_or_fail<T>(
             None
         }
     };
-    let refined = refine(target, finest, at, error, report);
+    let refined = refine(target, finest, times, at, error, report);
     if let Some(failure) = failure {
         return Err(failure);
     }
@@ -367,7 +395,7 @@ mod tests {
 
     fn by_tenths(target: f64, stop_at: usize) -> Option<Refined<f64>> {
         let at = |level: usize| (level < stop_at).then(|| 0.1_f64.powi(level as i32));
-        refine(target, 6, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
+        refine(target, 6, 1.0, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
     }
 
     #[test]
@@ -381,6 +409,29 @@ mod tests {
     fn refinement_ends_at_the_finest_level() {
         let refined = by_tenths(0.0, 99).unwrap();
         assert_eq!((refined.level, refined.finished), (6, true));
+    }
+
+    /// Levels that fluctuate after the third: the result is that of the smallest error, but no smaller than the difference from
+    /// a finer level, so that a level that agrees with the one before by chance is not taken.
+    #[test]
+    fn refinement_returns_the_level_with_the_smallest_error() {
+        let of = |values: [f64; 5], target: f64| {
+            let error = |[finer, coarser]: [&f64; 2], before: Option<&f64>| {
+                level_error(1.0, (finer - coarser).abs(), before.map(|before| (coarser - before).abs()))
+            };
+            refine(target, 4, 1.0, |level| Some(values[level]), error, |_, _| {}).unwrap()
+        };
+        let fluctuating = [1.1, 1.0, 1.001, 1.0012, 1.0008];
+        let found = of(fluctuating, 0.0);
+        assert_eq!((found.level, found.finer, found.coarser, found.before), (3, 1.0012, 1.001, Some(1.0)));
+        assert!(found.raised == 1.0 && (found.error - 1.0012).abs() > 1.0 && found.finished);
+        let errors = [1e-1, 2e-3, 1e-3, 1e-5].map(|target| of(fluctuating, target).error);
+        assert!(errors.is_sorted_by(|looser, stricter| looser >= stricter), "{errors:?}");
+        // The first two levels agree to 1e-5 by chance.
+        let by_chance = of([1.0, 1.00001, 1.02, 1.021, 1.0211], 1e-6);
+        assert_eq!((by_chance.level, by_chance.raised), (4, 1.0));
+        let raised = of([1.0, 1.00001, 1.02, 1.0, 1.02], 1e-6);
+        assert!(raised.error > 0.01, "{}", raised.error);
     }
 
     #[test]
@@ -397,7 +448,7 @@ mod tests {
                 true => Ok(0.1_f64.powi(level as i32)),
                 false => Err(DisplayError::PlacesByPaths { what: String::new(), key: String::new() }),
             };
-            refine_or_fail(0.0, 6, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
+            refine_or_fail(0.0, 6, 1.0, at, |[finer, coarser], _| (finer - coarser).abs(), |_, _| {})
         };
         let refined = covered(2).unwrap();
         assert_eq!((refined.level, refined.finished), (1, true));
@@ -450,7 +501,7 @@ mod tests {
 
     #[test]
     fn nan_ends_the_refinement() {
-        let refined = refine(0.1, 6, |_| Some(f64::NAN), |[a, b], _| a - b, |_, _| {}).unwrap();
+        let refined = refine(0.1, 6, 1.0, |_| Some(f64::NAN), |[a, b], _| a - b, |_, _| {}).unwrap();
         assert!(refined.error.is_nan() && refined.finished && refined.level == 1);
         assert!(
             largest(f64::NAN, 1.0).is_nan() && largest(1.0, f64::NAN).is_nan() && largest(1.0, 2.0) == 2.0

@@ -32,7 +32,7 @@ pub(super) fn refined<T>(
     let report = |error, _| {
         (control.progress)(Progress::of_views(0, setup.views.len()).with_error(error, target));
     };
-    let found = refine_or_fail(target, finest, at, |levels, _| error(levels), report)?;
+    let found = refine_or_fail(target, finest, 1.0, at, |levels, _| error(levels), report)?;
     if found.finished { Ok(found) } else { Err(DisplayError::Interrupted) }
 }
 
