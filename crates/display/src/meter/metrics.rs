@@ -295,6 +295,24 @@ impl ViewScalars {
         combined
     }
 
+    /// Returns the sum of the magnitudes of these changes of each metric, times a factor.
+    pub(crate) fn sum_of_changes(&self, changed: &[Self], factor: f64) -> Self {
+        let mut sum = self.zeros();
+        for changed in changed {
+            let change = Self::combine(self, changed, |own, changed| factor * (changed - own).abs());
+            sum = Self::combine(&sum, &change, |sum, change| sum + change);
+        }
+        sum
+    }
+
+    /// Raises each metric to that of another view, if both are defined.
+    pub(crate) fn raise_to(&mut self, least: &Self) {
+        let mut least = least.clone();
+        for (slot, least) in self.all_mut().zip(least.all_mut()) {
+            *slot = slot.map(|value| least.map_or(value, |least| value.max(least)));
+        }
+    }
+
     /// Returns 0 for each defined metric.
     pub(crate) fn zeros(&self) -> Self {
         Self::combine(self, self, |_, _| 0.0)

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use papilio_display::result::State;
 use papilio_scenario::Scenario;
 
 use crate::common::{run, scenario};
@@ -76,5 +77,64 @@ fn fields_of_view_below_a_front_agree_with_general_layers() {
         assert!((panel - walked).abs() < stated + 4.5 * paths.standard_error.Y, "{panel} {walked}");
         // Y would be 11 % too small without most of this light.
         assert!(paths.standard_error.Y < 0.02 * walked, "{:?}", paths.standard_error.Y);
+    }
+}
+
+/// a* and b* of a neutral colour are differences that nearly vanish: an error relative to themselves says nothing. X, Y
+/// and Z have errors of 1e-7 or more, and by the definition of CIELAB such errors alone change a* by
+/// `500/3 (Y/Yn)^(1/3)` of them, b* by `200/3 (Y/Yn)^(1/3)`, and u' by at least a fourth of them.
+#[test]
+fn errors_of_neutral_colours_contain_those_of_their_amounts_of_light() {
+    let grey = "display.pixel={model=\"uniform\",kind=\"mirror\",reflectance={white=0.6,black=0.03}}";
+    for target in ["solver.relative_error=0.01", "solver.relative_error=1e-6"] {
+        let result =
+            run(&scenario("indoor", &[grey, target, "viewer.theta_deg=[8,40]"]).unwrap().scene).unwrap();
+        for (name, state) in result.views.iter().flat_map(|view| view.states.iter()) {
+            let (value, error) = (&state.value, state.discretisation_error.as_ref().unwrap());
+            let of_y = error.Y / value.Y;
+            let cube_root = (value.L_star.unwrap() + 16.0) / 116.0;
+            assert!(of_y >= 1e-7 && value.a_star.unwrap().abs() < 1.0, "{name}");
+            assert!(
+                error.a_star.unwrap() > 0.9 * 500.0 / 3.0 * cube_root * of_y,
+                "{target} {name}: {error:?}"
+            );
+            assert!(
+                error.b_star.unwrap() > 0.9 * 200.0 / 3.0 * cube_root * of_y,
+                "{target} {name}: {error:?}"
+            );
+            assert!(error.u_prime.unwrap() > 0.25 * 0.2 * of_y, "{target} {name}: {error:?}");
+        }
+        // From one view to the other, the shift is a difference of two such colours; of a view to itself it has no error.
+        for (view, at_least) in result.views.iter().zip([0.0, 1e-8]) {
+            let (_, state) = view.states.iter().next().unwrap();
+            let metrics = &state.discretisation_error.as_ref().unwrap().metrics;
+            let (shift, delta_e) =
+                (metrics.shift_with_angle_uv.unwrap(), metrics.delta_E_2000_with_angle.unwrap());
+            assert!(if at_least == 0.0 {
+                shift == 0.0 && delta_e == 0.0
+            } else {
+                shift > at_least && delta_e > 1e-6
+            });
+        }
+    }
+}
+
+/// Below a narrow lobe, the light that a front returns fluctuates from level to level instead of converging: a stricter
+/// target, which is not met, states no larger error than the one before, and both results are within their errors.
+#[test]
+fn stricter_targets_never_state_larger_errors() {
+    let of = |target: &str| {
+        let sets = ["display.diffuser.haze=0.3", "spectrum.step_nm=20", target];
+        let result = run(&scenario("ring", &sets).unwrap().scene).unwrap();
+        let white = result.views[0].states.iter().next().unwrap().1.clone();
+        (result.solver.relative_error_reached, white)
+    };
+    let all =
+        ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6"].map(|target| of(&format!("solver.relative_error={target}")));
+    for pair in all.windows(2) {
+        let ([(looser, a), (stricter, b)], error) =
+            ([&pair[0], &pair[1]], |state: &State| state.discretisation_error.as_ref().unwrap().Y);
+        assert!(stricter <= looser, "{looser:e} {stricter:e}");
+        assert!((a.value.Y - b.value.Y).abs() <= error(a) + error(b), "{:?} {:?}", a.value.Y, b.value.Y);
     }
 }
