@@ -284,6 +284,7 @@ impl Points {
             return Err(head.cell_error(deviation.cell, wrong.into()));
         }
         let notes = std::mem::take(&mut header.notes);
+        let has_own_unit = header.get(&STANDARD_DEVIATION).is_some_and(|column| column.unit.is_some());
         let mut points = Self { all: Vec::new(), notes, observer: None, illuminant: None };
         let mut by_name = HashMap::new();
         for row in &rows {
@@ -291,13 +292,13 @@ impl Points {
         }
         if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
         {
-            points.divide_per_cent(&head, accept)?;
+            points.divide_per_cent(&head, accept, has_own_unit)?;
         }
         if let Values::Xyz(columns) = &values
             && columns.iter().all(|column| column.unit.is_none())
             && !is_own(&head)
         {
-            points.divide_per_cent(&head, accept)?;
+            points.divide_per_cent(&head, accept, has_own_unit)?;
         }
         Ok(points)
     }
@@ -401,8 +402,13 @@ impl Points {
     }
 
     /// Divides reflectances in per cent, or X, Y, Z of which white has Y = 100, by 100, with a note: columns
-    /// that state no unit.
-    fn divide_per_cent(&mut self, head: &Row<'_>, accept: &Accept) -> Result<(), FormatError> {
+    /// that state no unit. Standard deviations that have a unit of their own are not concerned.
+    fn divide_per_cent(
+        &mut self,
+        head: &Row<'_>,
+        accept: &Accept,
+        has_own_unit: bool,
+    ) -> Result<(), FormatError> {
         let mut values: Vec<&mut f64> = Vec::new();
         for point in &mut self.all {
             values.extend(point.spectrum.iter_mut().map(|point| &mut point.1));
@@ -421,7 +427,7 @@ impl Points {
             return Err(head.error(problem.into()));
         }
         values.into_iter().for_each(|value| *value /= 100.0);
-        for point in &mut self.all {
+        for point in self.all.iter_mut().filter(|_| !has_own_unit) {
             let colour = point.colour_deviation.iter_mut().flatten();
             point.spectrum_deviation.iter_mut().chain(colour).for_each(|one| *one /= 100.0);
         }

@@ -313,13 +313,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<SpectralFile, FormatError> 
     }
     let (observer, illuminant) = (parts.observer(), parts.illuminant());
     let new = SpectralFile::new(FORMAT, parts.kind(), samples, unused.into_iter().collect());
-    let mut file = SpectralFile { observer, illuminant, ..new };
+    let has_scale = norm.is_some() || !pairs.is_empty();
+    let mut file = SpectralFile { observer, illuminant, has_scale, ..new };
     file.scale_xyz();
     if parts.has_more {
         file.notes.push("only the first table of the file is read".to_owned());
     }
-    if norm.is_none() && pairs.is_empty() {
-        file.divide_per_cent();
-    }
+    file.divide_per_cent();
     Ok(file)
 }

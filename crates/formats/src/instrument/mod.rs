@@ -48,6 +48,8 @@ pub(crate) struct SpectralFile {
     pub(crate) observer: Option<Standard>,
     /// Illuminant of the colours, such as `D50`, if the file states it.
     pub(crate) illuminant: Option<String>,
+    /// Whether the spectra have their scale: the file states it, or they have been divided by 100.
+    pub(crate) has_scale: bool,
     /// How the file was interpreted.
     pub(crate) notes: Vec<String>,
 }
@@ -186,16 +188,17 @@ pub(crate) fn observer(text: &str) -> Option<Standard> {
 impl SpectralFile {
     /// A file that states neither the observer nor the illuminant of colours.
     pub(crate) fn new(format: &'static str, kind: Kind, samples: Vec<Sample>, notes: Vec<String>) -> Self {
-        Self { format, kind, samples, observer: None, illuminant: None, notes }
+        Self { format, kind, samples, observer: None, illuminant: None, has_scale: false, notes }
     }
 
-    /// Divides reflectances in per cent by 100; without a stated scale, values above 1.5 show that they are.
+    /// Divides reflectances in per cent by 100, once; without a stated scale, values above 1.5 show that they are.
     pub(crate) fn divide_per_cent(&mut self) {
         let values = || self.samples.iter().flat_map(|sample| &sample.spectrum);
         let largest = values().map(|(_, value, _)| *value).fold(0.0, f64::max);
-        if self.kind == Kind::Light || largest <= LARGEST_FRACTION {
+        if self.has_scale || self.kind == Kind::Light || largest <= LARGEST_FRACTION {
             return;
         }
+        self.has_scale = true;
         for (_, value, _) in self.samples.iter_mut().flat_map(|sample| &mut sample.spectrum) {
             *value /= 100.0;
         }

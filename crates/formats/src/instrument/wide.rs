@@ -2,8 +2,8 @@
 
 use super::{Kind, Sample, SpectralFile};
 use crate::error::FormatError;
-use crate::table::quantities::{PHI, STATE, THETA};
-use crate::table::{Header, Quantity, Row, Table, Unit};
+use crate::table::quantities::{FRACTION, PHI, REFLECTANCE, STATE, THETA};
+use crate::table::{ColumnName, Header, Quantity, Row, Table, Unit};
 
 const FORMAT: &str = "table with a column for each wavelength";
 
@@ -63,8 +63,9 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
         (None, None) => None,
     };
     header.note_others();
-    let has_percent = |row: &Row<'_>| row.cells.iter().any(|cell| cell.text.contains('%'));
-    let unit = (has_percent(&head) || above.iter().any(has_percent)).then_some(Unit::Fraction(1e-2));
+    let of_columns = columns.iter().any(|(cell, _)| head.cells[*cell].text.contains('%'));
+    let mut titles = head.cells.iter().chain(above.iter().flat_map(|row| &row.cells));
+    let unit = (of_columns || titles.any(|cell| is_per_cent(&cell.text))).then_some(Unit::Fraction(1e-2));
     let mut samples = Vec::new();
     for (k, row) in rows.enumerate() {
         row.expect_cells(header.count, "as many columns as the header")?;
@@ -85,10 +86,24 @@ pub(super) fn read(table: Table<'_>) -> Result<Option<SpectralFile>, FormatError
         samples.push(sample);
     }
     let mut file = SpectralFile::new(FORMAT, Kind::Unstated, samples, header.notes);
-    if unit.is_none() {
-        file.divide_per_cent();
-    }
+    file.has_scale = unit.is_some();
+    file.divide_per_cent();
     Ok(Some(file))
+}
+
+/// Returns whether a title states that the values are in per cent: a part of it is this unit, or names the values in it.
+/// Other titles and columns (`UV 100 %`, `Humidity (%)`) have nothing to do with the values.
+fn is_per_cent(title: &str) -> bool {
+    const VALUES: [&str; 4] = ["data", "values", "spectral_data", "unit"];
+    let is_one = |part: &str| {
+        let name = ColumnName::new(part);
+        let quantity = ColumnName::new(name.text.trim().trim_end_matches(" in"));
+        let is_alone = name.text.chars().all(|c| !c.is_alphanumeric());
+        let is_named =
+            || [REFLECTANCE.names, FRACTION.names, &VALUES].iter().any(|all| quantity.is_one_of(all, false));
+        matches!(name.unit, Some(Ok(Unit::Fraction(scale))) if scale == 1e-2) && (is_alone || is_named())
+    };
+    title.split([':', ';', ',']).any(is_one)
 }
 
 /// Returns whether a row above the header is a title: it has fewer cells than the header, or mostly empty

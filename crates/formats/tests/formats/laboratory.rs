@@ -5,6 +5,7 @@
 //! a k that falls from 0.01 to 0.
 
 use papilio_colour::Standard;
+use papilio_display::compare::{Quantity, StandardDeviation};
 use papilio_formats::{
     DataFile, FormatError, PaletteTable, read_fractions, read_fractions_with_notes, read_index, read_light,
     read_light_with_notes, read_measured_panel, read_palette,
@@ -377,4 +378,72 @@ fn tables_of_panels_are_read_with_care() {
         papilio_formats::read_index_within(&data("film.csv", b"nm,n\n400,1.5\n700,1.5\n"), (400.0, 700.0));
     let index = index.unwrap();
     assert!(index.warnings.iter().any(|note| note.contains("no column of k")), "{:?}", index.warnings);
+}
+
+/// Returns the first value of the first spectrum of a panel, and the notes.
+fn first_of_panel(name: &str, text: &str) -> (f64, Vec<String>) {
+    let read = read_measured_panel(&data(name, text.as_bytes())).unwrap();
+    let Quantity::Spectrum(spectrum) = &read.value[0].quantity else { panic!("{text}") };
+    (spectrum.values()[0], read.warnings)
+}
+
+/// Per cent signs that have nothing to do with the values, and those that state their unit.
+#[test]
+fn only_titles_of_the_values_state_per_cent() {
+    let values = "Sample,400 nm,550 nm,700 nm\nwhite,0.6,0.6,0.6\nblack,0.03,0.03,0.03\n";
+    let titled = |title: &str| first_of_panel("panel.csv", &format!("{title}\n{values}")).0;
+    for title in ["Instrument: CM-3600, UV 100 %", "Humidity: 45 %", "Fill factor (%),87"] {
+        near(title, titled(title), 0.6, 1e-12);
+    }
+    for title in ["Reflectance (%)", "%R", "Unit: %", "Reflectance in %", "SCI, Reflectance %"] {
+        near(title, titled(title), 0.006, 1e-12);
+    }
+    let beside = "Sample,Humidity (%),400 nm,550 nm,700 nm\nwhite,45,0.6,0.6,0.6\n";
+    near("a column beside", first_of_panel("panel.csv", beside).0, 0.6, 1e-12);
+    let own = "Sample,R_400 (%),R_550 (%),R_700 (%)\nwhite,0.6,0.6,0.6\n";
+    near("columns of their own", first_of_panel("panel.csv", own).0, 0.006, 1e-12);
+}
+
+/// A display near the image of a lamp reflects more than a perfect white: 160 % are 1.6, whoever states the scale.
+#[test]
+fn per_cent_is_divided_once() {
+    let wide = |title: &str, column: &str| {
+        format!(
+            "{title}Sample,{0},{1},{2}\nwhite,160,160,160\n",
+            column.replace('#', "400"),
+            column.replace('#', "550"),
+            column.replace('#', "700")
+        )
+    };
+    let cgats = |norm: &str, value: &str| {
+        format!(
+            "CGATS.17\n{norm}NUMBER_OF_FIELDS 4\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_550 SPEC_700\nEND_DATA_FORMAT\n\
+             NUMBER_OF_SETS 1\nBEGIN_DATA\nwhite {value} {value} {value}\nEND_DATA\n"
+        )
+    };
+    for (name, text, notes) in [
+        ("w.csv", wide("", "# nm"), 1),
+        ("w.csv", wide("", "R_# (%)"), 0),
+        ("w.csv", wide("Reflectance (%)\n", "# nm"), 0),
+        ("w.txt", cgats("", "160"), 1),
+        ("w.txt", cgats("SPECTRAL_NORM \"100\"\n", "160"), 0),
+        ("w.txt", cgats("SPECTRAL_NORM \"1.0\"\n", "1.6"), 0),
+    ] {
+        let (found, all) = first_of_panel(name, &text);
+        near(&text, found, 1.6, 1e-12);
+        assert_eq!(all.iter().filter(|note| note.contains("per cent")).count(), notes, "{text}: {all:?}");
+    }
+}
+
+/// Standard deviations have the unit of the values, unless they state their own.
+#[test]
+fn standard_deviations_keep_their_own_unit() {
+    for (unit, written) in [(" (%)", "1"), (" (1)", "0.01"), ("", "1")] {
+        let text = format!(
+            "wavelength_nm,white,standard_deviation{unit}\n400,60,{written}\n550,60,{written}\n700,60,{written}\n"
+        );
+        let read = read_measured_panel(&data("panel.csv", text.as_bytes())).unwrap().value;
+        let Some(StandardDeviation::Spectrum(found)) = &read[0].standard_deviation else { panic!("{text}") };
+        near(&text, found.values()[0], 0.01, 1e-12);
+    }
 }
