@@ -5,7 +5,7 @@ use papilio_diagnostics::Diagnostic;
 use crate::error::{FormatError, Problem, too_few};
 use crate::file::DataFile;
 use crate::table::quantities::{DEPTH, TILT, TWIST};
-use crate::table::{Header, Quantity, TableText};
+use crate::table::{HALF_TURN, Header, Quantity, TURN, TableText, may_be_radians};
 
 /// The columns of the table.
 static COLUMNS: [&Quantity; 3] = [&DEPTH, &TILT, &TWIST];
@@ -63,6 +63,13 @@ pub fn read_director(file: &DataFile) -> Result<Vec<DirectorRow>, FormatError> {
         found.push(director);
         last = Some(row);
     }
+    if tilt.unit.is_none() && twist.unit.is_none() {
+        let [tilts, twists] = [|row: &DirectorRow| row.tilt_deg, |row: &DirectorRow| row.twist_deg]
+            .map(|angle| found.iter().map(angle).collect::<Vec<f64>>());
+        if may_be_radians([(HALF_TURN, &tilts[..]), (TURN, &twists)]) {
+            return Err(head.cell_error(tilt.cell, Problem::Radians));
+        }
+    }
     match (found.last(), last) {
         (Some(end), Some(row)) if end.depth != 1.0 => {
             let wrong = Diagnostic::new(format!("the depths of this table end at {}", end.depth));
@@ -113,6 +120,9 @@ mod tests {
             let error = read(&format!("{HEAD}{rows}")).unwrap_err();
             assert!(error.to_string().contains(problem), "{rows}: {error}");
         }
+        let radians = "depth,tilt,twist\n0,0.349066,0\n0.5,0.698132,0\n1,0.349066,0\n";
+        assert!(read(radians).unwrap_err().to_string().contains("in radians"));
+        assert_eq!(read("depth,tilt,twist\n0,2,0\n1,4.5,90\n").unwrap()[1].tilt_deg, 4.5);
         assert!(read("depth,tilt_deg\n0,0\n1,0\n").unwrap_err().to_string().contains("not the header"));
     }
 }

@@ -188,11 +188,9 @@ impl Problem {
             Self::MissingColumn { missing } => {
                 Diagnostic::new("a required column is missing").expected(missing)
             }
-            Self::Radians => {
-                Diagnostic::new("the angles are probably in radians").expected("angles in degrees").hint(
-                    "write the unit in the names of the columns, such as `theta_i (rad)` or `theta_i (deg)`",
-                )
-            }
+            Self::Radians => Diagnostic::new("the angles are probably in radians")
+                .expected("angles in degrees")
+                .hint("write the unit in the names of the columns, such as `theta (rad)` or `theta (deg)`"),
             Self::BadName => Diagnostic::new("this name is not permitted").expected(GOOD_NAME),
             Self::Bsdf(problem) => problem.diagnostic(),
             Self::Spectra(error) => {

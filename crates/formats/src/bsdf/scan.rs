@@ -18,7 +18,7 @@ use crate::error::{FormatError, Problem};
 use crate::file::DataFile;
 use crate::table::quantities::{BSDF, LIGHT, PHI_I, THETA, THETA_I};
 use crate::table::rounding::nearest;
-use crate::table::{ColumnName, Header, Quantity, Unit};
+use crate::table::{ColumnName, Header, QUARTER_TURN, Quantity, Unit, may_be_radians};
 
 /// Name of the format.
 const NAME: &str = "scan at normal incidence";
@@ -26,9 +26,6 @@ const NAME: &str = "scan at normal incidence";
 /// Fewest and most angles of a scan.
 const FEWEST: usize = 3;
 const MOST: usize = 100_000;
-
-/// Angles up to here, without a unit, are probably in radians.
-const LARGEST_RADIAN: f64 = 1.571;
 
 /// Relative difference of the two sides of a scan that gives a warning.
 const ASYMMETRY: f64 = 0.02;
@@ -163,9 +160,8 @@ pub(super) fn read(file: &DataFile, is_stated: bool) -> Result<BsdfFile, FormatE
     if let Some(step) = angles.step(rows.iter().map(|row| row.0)) {
         rows.iter_mut().for_each(|row| row.0 = nearest(row.0, step));
     }
-    let most = rows.iter().map(|(theta, ..)| theta.abs()).fold(0.0, f64::max);
-    let is_whole = rows.iter().all(|(theta, ..)| theta.fract() == 0.0);
-    if layout.unit.is_none() && most <= LARGEST_RADIAN && !is_whole {
+    let inclinations: Vec<f64> = rows.iter().map(|row| row.0).collect();
+    if layout.unit.is_none() && may_be_radians([(QUARTER_TURN, &inclinations[..])]) {
         return Err(text.whole(Problem::Radians));
     }
     let (mut behind, mut before): (Vec<Row>, Vec<Row>) =

@@ -11,7 +11,7 @@ use super::table_read::{ANGLES, Column, Layout, cells, channel_of, is_not_measur
 use super::text::Text;
 use super::{BsdfProblem, MOST_CELLS};
 use crate::error::{FormatError, Problem};
-use crate::table::{Unit, rounding};
+use crate::table::{QUARTER_TURN, TURN, Unit, may_be_radians, rounding};
 
 /// Largest number of values; sorting them into pairs of directions takes some hundred bytes each.
 const MOST_ROWS: usize = 10_000_000;
@@ -193,13 +193,12 @@ impl Rows {
         Ok(())
     }
 
-    /// Returns whether all angles could be in radians: inclinations up to 1.571, azimuths up to 6.284, and
-    /// not only whole numbers.
+    /// Returns whether all angles are probably in radians.
     pub(super) fn may_be_radians(&self) -> bool {
         let pairs = || self.ways.iter().flat_map(|way| &way.pairs);
-        let most = |k: usize| pairs().map(|angles| angles[k].abs()).fold(0.0, f64::max);
-        let is_whole = pairs().flatten().all(|angle| angle.fract() == 0.0);
-        most(0).max(most(2)) <= 1.571 && most(1).max(most(3)) <= 6.284 && !is_whole
+        let of = |k: usize| pairs().map(|angles| angles[k]).collect::<Vec<f64>>();
+        let all = [(QUARTER_TURN, of(0)), (TURN, of(1)), (QUARTER_TURN, of(2)), (TURN, of(3))];
+        may_be_radians(all.iter().map(|(most, angles)| (*most, &angles[..])))
     }
 
     fn channel(&mut self, text: Text<'_>, line: &Range<usize>, channel: Channel) -> Result<u32, FormatError> {

@@ -3,7 +3,7 @@
 use crate::error::{FormatError, Problem, too_few};
 use crate::file::DataFile;
 use crate::table::quantities::{RADIANCE, THETA};
-use crate::table::{Column, Quantity, TableText, body};
+use crate::table::{Column, QUARTER_TURN, Quantity, TableText, body, may_be_radians};
 
 /// Largest relative radiance. The scale has no meaning, but computed values must remain finite.
 const LARGEST: f64 = 1e30;
@@ -53,6 +53,13 @@ pub fn read_profile(file: &DataFile) -> Result<Vec<(f64, f64)>, FormatError> {
         }
         let expected = "a relative radiance from 0 to 1e30";
         points.push((angle, value.number_within(row, "the radiance", (0.0, LARGEST), expected)?));
+    }
+    let angles: Vec<f64> = points.iter().map(|point| point.0).collect();
+    if theta.unit.is_none()
+        && may_be_radians([(QUARTER_TURN, &angles[..])])
+        && let Some(row) = found.rows.last()
+    {
+        return Err(row.cell_error(theta.cell, Problem::Radians));
     }
     if points.len() < 2 {
         return Err(table.error(too_few(points.len()).expected("at least two angles").into()));

@@ -25,4 +25,4 @@ pub(crate) use header::{Column, Header, body, unknown};
 pub(crate) use names::ColumnName;
 pub(crate) use quantities::Quantity;
 pub(crate) use rows::{Row, Table, TableText, clip, is_missing};
-pub(crate) use units::{Dimension, Unit, unit};
+pub(crate) use units::{Dimension, HALF_TURN, QUARTER_TURN, TURN, Unit, may_be_radians, unit};

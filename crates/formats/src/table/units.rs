@@ -208,6 +208,22 @@ fn rounded(nm: f64) -> f64 {
     if (near - nm).abs() <= 1e-12 * nm.abs() { near } else { nm }
 }
 
+/// Returns whether angles without a unit are probably in radians: none exceeds the largest value of its set in radians,
+/// and not all are whole numbers, as those of a few degrees are. Each set of angles comes with its largest value.
+pub(crate) fn may_be_radians<'a>(sets: impl IntoIterator<Item = (f64, &'a [f64])>) -> bool {
+    let mut is_whole = true;
+    let all_fit = sets.into_iter().all(|(most, angles)| {
+        is_whole &= angles.iter().all(|angle| angle.fract() == 0.0);
+        angles.iter().all(|angle| angle.abs() <= most)
+    });
+    all_fit && !is_whole
+}
+
+/// Largest inclinations, tilts and azimuths in radians, rounded up.
+pub(crate) const QUARTER_TURN: f64 = 1.571;
+pub(crate) const HALF_TURN: f64 = 3.142;
+pub(crate) const TURN: f64 = 6.284;
+
 #[cfg(test)]
 mod tests {
     use super::*;

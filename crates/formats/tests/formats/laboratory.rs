@@ -447,3 +447,20 @@ fn standard_deviations_keep_their_own_unit() {
         near(&text, found.values()[0], 0.01, 1e-12);
     }
 }
+
+/// Angles of a light profile that reach pi/2 and state no unit; those of a few whole degrees, or with a unit, are read.
+#[test]
+fn profiles_that_are_probably_in_radians_are_refused() {
+    let read = |text: &str| papilio_formats::read_profile(&data("room.csv", text.as_bytes()));
+    let error = read("angle,radiance\n0,1\n0.5236,0.8\n1.0472,0.2\n1.5708,0\n").unwrap_err();
+    assert!(error.to_string().contains("probably in radians"), "{error}");
+    assert_eq!(error.place.line_column(), Some((5, 1)), "{error}");
+    near("unit", read("angle (rad),radiance\n0,1\n0.5235987755982988,0.8\n").unwrap()[1].0, 30.0, 1e-9);
+    for text in [
+        "angle,radiance\n0,1\n1,0.5\n",
+        "theta_deg,radiance\n0,1\n1.5,0.5\n",
+        "angle,radiance\n0,1\n2.5,0.5\n",
+    ] {
+        assert!(read(text).is_ok(), "{text}");
+    }
+}
