@@ -220,9 +220,11 @@ pub(crate) fn may_be_radians<'a>(sets: impl IntoIterator<Item = (f64, &'a [f64])
 }
 
 /// Largest inclinations, tilts and azimuths in radians, rounded up.
-pub(crate) const QUARTER_TURN: f64 = 1.571;
-pub(crate) const HALF_TURN: f64 = 3.142;
-pub(crate) const TURN: f64 = 6.284;
+pub(crate) const QUARTER_TURN: f64 = std::f64::consts::FRAC_PI_2 + ROUNDED;
+pub(crate) const HALF_TURN: f64 = std::f64::consts::PI + ROUNDED;
+pub(crate) const TURN: f64 = std::f64::consts::TAU + ROUNDED;
+/// What three rounded decimals can add to an angle, rad.
+const ROUNDED: f64 = 1e-3;
 
 #[cfg(test)]
 mod tests {
