@@ -25,8 +25,8 @@ use papilio_colour::Observer;
 use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, FlatRun, Interface, Layer, Medium, PolarisedLight, PolarisedTop as Top, PolarisedView, Source,
-    Stack, WholeView,
+    Base, FlatRun, Followed, Interface, Layer, Medium, PolarisedLight, PolarisedTop as Top, PolarisedView,
+    Source, Stack, WholeView,
 };
 
 use crate::DisplayError;
@@ -109,6 +109,7 @@ impl Asked {
         } else if !(is_whole(scene) || has_particles(scene))
             && self.polariser_deg.is_some_and(is_oblique)
             && self.vibrations.iter().flatten().any(mixes)
+            && met_unscattered(scene).polarising > 0
             && self.is_seen_unscattered(scene)
         {
             "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of \
@@ -123,9 +124,6 @@ impl Asked {
     fn is_seen_unscattered(&self, scene: &Scene) -> bool {
         if Meetings::of(scene).is_some() {
             return true;
-        }
-        if Meetings::within(scene, top_layers(scene)).reflecting == 0 {
-            return false;
         }
         let lighting = &scene.lighting;
         let environment = lighting.environment.iter().flat_map(|one| &one.parts);
@@ -238,7 +236,7 @@ pub(crate) fn weights(scene: &Scene) -> Result<Option<[f64; 2]>, DisplayError> {
     let asked = asked.check(scene)?;
     let left = left(scene);
     let weights = asked.weights().map(|weight| 0.5 + left * (weight - 0.5));
-    Ok(meetings.filter(|met| met.polarising > 0).map(|_| weights))
+    Ok(meetings.map(|_| weights))
 }
 
 /// Returns the polarised light of a scene and what it meets first, for its stack and its sources; `None` if nothing is
@@ -253,14 +251,15 @@ pub(crate) fn view(
 ) -> Result<Option<PolarisedView>, DisplayError> {
     let Some(asked) = Asked::of(scene) else { return Ok(None) };
     let asked = asked.check(scene)?;
+    let polariser = asked.polariser_deg.map(f64::to_radians);
+    let seen = WholeView { polariser, vibrations: asked.vibrations_of(scene) };
     if is_whole(scene) || has_particles(scene) {
-        let polariser = asked.polariser_deg.map(f64::to_radians);
-        return Ok(Some(PolarisedView {
-            whole: Some(WholeView { polariser, vibrations: asked.vibrations_of(scene) }),
-            ..PolarisedView::default()
-        }));
+        return Ok(Some(PolarisedView { seen, followed: Followed::Whole }));
     }
     let is_kept = weights(scene)?.is_some();
+    if is_kept && scene.display.is_flat() {
+        return Ok(Some(PolarisedView { seen, followed: Followed::Rays }));
+    }
     let top = if is_kept { None } else { top(scene, stack, asked.weights())? };
     let visible = visible(scene);
     let of = |(source, vibration): (&Source, &Option<Vibration>)| {
@@ -270,11 +269,8 @@ pub(crate) fn view(
             false => PolarisedLight::above(source, vibration, top.as_ref(), &visible),
         }
     };
-    Ok(Some(PolarisedView {
-        lights: sources.iter().zip(&asked.vibrations).map(of).collect(),
-        top,
-        whole: None,
-    }))
+    let lights = sources.iter().zip(&asked.vibrations).map(of).collect();
+    Ok(Some(PolarisedView { seen, followed: Followed::Lights(lights, top) }))
 }
 
 /// Returns notes on what is polarised.
@@ -295,8 +291,9 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
     if is_whole(scene) || has_particles(scene) {
         return notes;
     }
-    let is_flat = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
-    if !is_flat && Meetings::within(scene, top_layers(scene)).polarising == 0 {
+    let met = met_unscattered(scene);
+    let is_seen = asked.polariser_deg.is_some() && asked.vibrations.iter().any(Option::is_some);
+    if met.polarising == 0 && !(is_seen && met.reflecting > 0) {
         notes.push(format!(
             "`{}` has no effect: this display reflects s and p equally, or scatters light before it meets a face or film, \
              and scattered light is unpolarised",
@@ -306,15 +303,20 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
     notes
 }
 
+/// What light meets before the first scatterer that does not keep s and p.
+fn met_unscattered(scene: &Scene) -> Meetings {
+    Meetings::of(scene).unwrap_or_else(|| Meetings::within(scene, top_layers(scene)))
+}
+
 /// The flat layers above the first scatterer, by their interfaces.
 fn top_layers(scene: &Scene) -> Range<usize> {
     flat_from(scene, 0).0
 }
 
-/// Returns those layers with a polariser of these weights before the eye; `None` if s and p are the same to them.
+/// Returns those layers with a polariser of these weights before the eye; `None` if nothing is reflected by them.
 fn top(scene: &Scene, stack: &Stack, weights: [f64; 2]) -> Result<Option<Top>, DisplayError> {
     let layers = top_layers(scene);
-    if Meetings::within(scene, layers.clone()).polarising == 0 {
+    if Meetings::within(scene, layers.clone()).reflecting == 0 {
         return Ok(None);
     }
     let own = |polarisation| -> Result<Vec<Interface>, DisplayError> {

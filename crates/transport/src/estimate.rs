@@ -56,8 +56,7 @@ impl ReflectanceFactor {
 
     /// Returns the weighted sum of two: of s and of p.
     pub(crate) fn mixed_with(&self, other: &Self, weights: [f64; 2]) -> Self {
-        let [of_s, of_p] = weights;
-        let front = self.front.iter().zip(&other.front).map(|(s, p)| of_s * s + of_p * p);
+        let front = self.front.iter().zip(&other.front).map(|(s, p)| sum_of([*s, *p], weights));
         Self { via_pixel: mixed(&self.via_pixel, &other.via_pixel, weights), front: front.collect() }
     }
 
@@ -111,10 +110,16 @@ impl Ledger {
 }
 
 /// Returns the weighted sum of two of the same shape.
-fn mixed(one: &StateSpectra, other: &StateSpectra, [of_one, of_other]: [f64; 2]) -> StateSpectra {
-    let mut sum = one.map(|value| of_one * value);
-    sum.iter_mut().zip(other.iter()).for_each(|(sum, value)| *sum += of_other * value);
+fn mixed(one: &StateSpectra, other: &StateSpectra, weights: [f64; 2]) -> StateSpectra {
+    let mut sum = one.clone();
+    sum.iter_mut().zip(other.iter()).for_each(|(sum, value)| *sum = sum_of([*sum, *value], weights));
     sum
+}
+
+/// Returns a weighted sum of s and p; exactly 0 where they cancel to rounding, as between crossed polarisers.
+fn sum_of(both: [f64; 2], weights: [f64; 2]) -> f64 {
+    let [s, p] = [both[0] * weights[0], both[1] * weights[1]];
+    if (s + p).abs() <= 1e-13 * s.abs().max(p.abs()) { 0.0 } else { s + p }
 }
 
 /// The account of the [`Ledger`] that light absorbed by a layer is added to.

@@ -72,6 +72,6 @@ pub use light::{Cone, Edge, Field, Pixels, Radiance, Source, Vibration};
 pub use mueller::{Mueller, MuellerAt, MuellerByDirection, WholeView};
 pub use panel::{Approximation, Described, Panel, PanelParts, Top};
 pub use pixel_spread::PixelSpread;
-pub use polarised_view::{PolarisedLight, PolarisedView, Top as PolarisedTop};
+pub use polarised_view::{Followed, PolarisedLight, PolarisedView, Top as PolarisedTop};
 pub use specular::{disc_image, specular_image, specular_image_of};
 pub use stack::{Layer, NotAPanel, Stack};

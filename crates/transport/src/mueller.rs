@@ -187,7 +187,7 @@ fn pairs() -> impl Iterator<Item = (usize, usize)> {
     (0..4).flat_map(|row| (row + 1..4).map(move |column| (row, column)))
 }
 
-/// What is polarised above a pixel that changes polarisation: everything is followed to the end.
+/// What is polarised: sources, and a polariser before the eye.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WholeView {
     /// Angle of the light that a polariser before the eye passes, from the plane of incidence of the axis of a view, radians,
@@ -222,6 +222,23 @@ impl WholeView {
             Some(Some(vibration)) => light_of(vibration, centre, beta),
             _ => LIGHT,
         }
+    }
+
+    /// Returns the weights of the reflectances for s and for p in what a view sees of the light of a source with these direction cosines: `[0.5, 0.5]` where
+    /// nothing is polarised.
+    ///
+    /// Near the normal s and p are not fixed to the view. Light between the two counts as reflected like their mean, which differs from the product of both
+    /// amplitudes by their phase and by the fourth power of the angle.
+    pub(crate) fn weights(
+        &self,
+        view: Option<&Cone>,
+        (number, centre): (usize, Option<Beta>),
+        beta: Beta,
+    ) -> [f64; 2] {
+        let (meter, light) = (self.meter(view, beta), self.light(number, centre, beta));
+        // Mirrors reflect s and p with opposite signs along the normal.
+        let crossed = -meter[2] * light[2];
+        [1, 0].map(|one| meter[one] * light[one] + 0.5 * crossed)
     }
 }
 

@@ -2,8 +2,12 @@
 //!
 //! # Method
 //! Where all layers are flat and the pixel is a mirror, s and p are followed apart to the end
-//! ([`Stack::with_polarisations`](crate::Stack::with_polarisations)): each has sources of its own, the share of s or p of
-//! every direction, and a weight in what is seen.
+//! ([`Stack::with_polarisations`](crate::Stack::with_polarisations)). Each ray that is seen has weights of s and of p
+//! ([`WholeView::weights`]), from the vibration of its light and the direction that the polariser passes, which are fixed
+//! to the lamp, the sky and the view: along the normal, s and p are not.
+//!
+//! Where in addition diffusers keep s and p, each has sources of its own, the share of s or p of every direction, and a
+//! weight in what is seen.
 //!
 //! Elsewhere all that is polarised happens in the flat layers above the first scatterer, the *top*. With the shares f of
 //! s and p, unpolarised light of g times the radiance, `g = (f_s T_s + f_p T_p)/T` with the mean T of the transmittances
@@ -81,7 +85,6 @@ impl Top {
 pub struct PolarisedLight {
     /// The source without regard to that.
     whole: Source,
-    vibration: Vibration,
     instead: Instead,
 }
 
@@ -107,7 +110,7 @@ impl PolarisedLight {
             }
         };
         let instead = Instead::OfEach(Box::new([of(0)?, of(1)?]));
-        Some(Self { whole: whole.clone(), vibration, instead })
+        Some(Self { whole: whole.clone(), instead })
     }
 
     /// Returns a source above layers that scatter; `visible` weights the wavelengths. `None` as of
@@ -140,7 +143,7 @@ impl PolarisedLight {
                 (whole.clone(), (0..visible.len()).map(factor).collect())
             }
         };
-        Some(Self { whole: whole.clone(), vibration, instead: Instead::BelowTop(Box::new(instead)) })
+        Some(Self { whole: whole.clone(), instead: Instead::BelowTop(Box::new(instead)) })
     }
 }
 
@@ -153,21 +156,80 @@ fn times(field: &Field, factor: impl Fn([f64; 3]) -> f64 + Send + Sync + 'static
     }
 }
 
-/// Sources that are polarised, and the top that they meet.
-#[derive(Debug, Clone, Default)]
+/// Sources that are polarised, a polariser before the eye, and what is followed of their light.
+#[derive(Debug, Clone)]
 pub struct PolarisedView {
-    /// Flat layers above the first scatterer, where s and p are not kept apart to the end.
-    pub top: Option<Top>,
-    /// By the number of the source.
-    pub lights: Vec<Option<PolarisedLight>>,
-    /// The same for a panel whose pixel changes polarisation, instead of both.
-    pub whole: Option<WholeView>,
+    /// What is polarised.
+    pub seen: WholeView,
+    /// What is followed.
+    pub followed: Followed,
+}
+
+/// What is followed of polarised light.
+#[derive(Debug, Clone)]
+pub enum Followed {
+    /// All of it, through pixels that change polarisation, and among particles.
+    Whole,
+    /// The rays that are seen in flat layers above a mirror.
+    Rays,
+    /// The polarised sources, by their number: to the end, or through the flat layers above the first scatterer.
+    Lights(Vec<Option<PolarisedLight>>, Option<Top>),
 }
 
 impl PolarisedView {
+    /// What is polarised, if all of it is followed.
+    pub(crate) fn whole(&self) -> Option<&WholeView> {
+        matches!(self.followed, Followed::Whole).then_some(&self.seen)
+    }
+
+    /// What is polarised, if the rays in flat layers above a mirror are followed.
+    pub(crate) fn rays(&self) -> Option<&WholeView> {
+        matches!(self.followed, Followed::Rays).then_some(&self.seen)
+    }
+
+    fn lights(&self) -> &[Option<PolarisedLight>] {
+        match &self.followed {
+            Followed::Lights(lights, _) => lights,
+            Followed::Whole | Followed::Rays => &[],
+        }
+    }
+
+    fn top(&self) -> Option<&Top> {
+        match &self.followed {
+            Followed::Lights(_, top) => top.as_ref(),
+            Followed::Whole | Followed::Rays => None,
+        }
+    }
+
+    /// Returns the mean over a view of the weights of s and of p in what is seen of the light of a source in flat layers above a mirror
+    /// ([`WholeView::weights`]); without a view, of light along the centre of the source.
+    pub(crate) fn weights_of_rays(
+        seen: &WholeView,
+        view: Option<&Cone>,
+        (number, source): (usize, &Source),
+    ) -> [f64; 2] {
+        let of = (number, source.direction());
+        let points = match view {
+            Some(view) => seen_in(view, source),
+            None => Vec::new(),
+        };
+        let light: f64 = points.iter().map(|point| point.weight).sum();
+        if light <= 0.0 {
+            // Nothing but a single ray is seen, if anything is.
+            let beta = source.direction().or_else(|| view.map(Cone::axis_towards)).unwrap_or_default();
+            return seen.weights(view, of, beta);
+        }
+        let mut mean = [0.0; 2];
+        for Point { beta, weight } in points {
+            let own = seen.weights(view, of, beta);
+            mean.iter_mut().zip(own).for_each(|(sum, own)| *sum += own * weight / light);
+        }
+        mean
+    }
+
     /// The polarised light of a source.
     fn of(&self, number: usize, source: &Source) -> Option<&PolarisedLight> {
-        self.lights.get(number)?.as_ref().filter(|light| light.whole == *source)
+        self.lights().get(number)?.as_ref().filter(|light| light.whole == *source)
     }
 
     /// Returns the sources of unpolarised light instead of these: for s (0), for p (1), or below the top.
@@ -176,7 +238,7 @@ impl PolarisedView {
         sources: &'a [Source],
         polarisation: Option<usize>,
     ) -> Cow<'a, [Source]> {
-        if self.lights.iter().all(Option::is_none) {
+        if self.lights().iter().all(Option::is_none) {
             return Cow::Borrowed(sources);
         }
         let one = |(number, source): (usize, &Source)| {
@@ -194,34 +256,24 @@ impl PolarisedView {
     pub(crate) fn weights(&self, number: usize, source: &Source, weights: [f64; 2]) -> [f64; 2] {
         match self.of(number, source).map(|light| &light.instead) {
             Some(Instead::OfEach(both)) => [weights[0] * both[0].1, weights[1] * both[1].1],
+            // They are those of each ray.
+            _ if self.rays().is_some() => [1.0; 2],
             _ => weights,
         }
-    }
-
-    /// Returns the weights of s and p in what mirrors show of the light of this source with direction cosines `beta`.
-    fn mirrored(
-        &self,
-        number: usize,
-        source: &Source,
-        beta: papilio_optics::Beta,
-        weights: [f64; 2],
-    ) -> [f64; 2] {
-        let shares = self.of(number, source).map_or([0.5; 2], |light| light.vibration.shares_towards(beta));
-        [2.0 * weights[0] * shares[0], 2.0 * weights[1] * shares[1]]
     }
 
     /// Returns what changes the light that a view sees of these sources below a top; `None` if nothing does.
     pub(crate) fn changes(&self, view: &Cone, sources: &[Source]) -> Option<Changes> {
         let bins = self.bins()?;
-        let weights = self.top.as_ref().map_or([0.5; 2], |top| top.weights);
+        let weights = self.top().map_or([0.5; 2], |top| top.weights);
         let one = |(number, source): (usize, &Source)| {
             let of = self.of(number, source);
-            if of.is_none() && weights == [0.5; 2] {
+            if of.is_none() && self.seen.polariser.is_none() {
                 return None;
             }
             let axis = view.axis_towards();
             let through =
-                |bin: usize| self.top.as_ref().map_or(1.0, |top| top.transmits(axis.squared(), bin, weights));
+                |bin: usize| self.top().map_or(1.0, |top| top.transmits(axis.squared(), bin, weights));
             let (below, entering) = match of.map(|light| &light.instead) {
                 Some(Instead::BelowTop(below)) => (&below.0, Some(&below.1)),
                 _ => (source, None),
@@ -229,9 +281,10 @@ impl PolarisedView {
             let factor: Vec<f64> =
                 (0..bins).map(|bin| through(bin) * entering.map_or(1.0, |factor| factor[bin])).collect();
             let mut front = vec![0.0; bins];
-            if let Some(top) = &self.top {
+            if let Some(top) = self.top() {
+                let lit = (number, source.direction());
                 for Point { beta, weight } in seen_in(view, source) {
-                    let [s, p] = self.mirrored(number, source, beta, weights);
+                    let [s, p] = self.seen.weights(Some(view), lit, beta);
                     for (bin, front) in front.iter_mut().enumerate() {
                         let [of_s, of_p] = top.of_each(beta.squared(), bin);
                         *front += weight * (s * of_s.above + p * of_p.above);
@@ -255,7 +308,7 @@ impl PolarisedView {
         source: &Source,
         mut image: ReflectanceFactor,
     ) -> ReflectanceFactor {
-        let (Some(top), Some(beta)) = (&self.top, source.direction()) else { return image };
+        let (Some(top), Some(beta)) = (self.top(), source.direction()) else { return image };
         let bins = image.front.len();
         let entering = match self.of(number, source).map(|light| &light.instead) {
             Some(Instead::BelowTop(below)) => Some(&below.1),
@@ -264,7 +317,7 @@ impl PolarisedView {
         let factor = |bin: usize| {
             top.transmits(beta.squared(), bin, top.weights) * entering.map_or(1.0, |factor| factor[bin])
         };
-        let [s, p] = self.mirrored(number, source, beta, top.weights);
+        let [s, p] = self.seen.weights(None, (number, Some(beta)), beta);
         for bin in 0..bins {
             let both = top.of_each(beta.squared(), bin);
             let rest = image.front[bin] - Flat::mean(both).above;
@@ -281,8 +334,8 @@ impl PolarisedView {
             Instead::BelowTop(below) => Some(below.1.len()),
             Instead::OfEach(_) => None,
         };
-        let top = self.top.as_ref().map(|top| top.media[1].index().len());
-        top.or_else(|| self.lights.iter().flatten().find_map(of_light))
+        let top = self.top().map(|top| top.media[1].index().len());
+        top.or_else(|| self.lights().iter().flatten().find_map(of_light))
     }
 }
 

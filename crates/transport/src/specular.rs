@@ -31,9 +31,13 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
     }
     let whole = stack.in_runs();
     if let Some([s, p]) = whole.polarised() {
+        let usual = whole.weights_of_polarisations();
         let weights = match stack.polarised_view() {
-            Some(view) => view.weights(number, source, whole.weights_of_polarisations()),
-            None => whole.weights_of_polarisations(),
+            Some(view) => match view.rays() {
+                Some(seen) => seen.weights(None, (number, Some(beta)), beta),
+                None => view.weights(number, source, usual),
+            },
+            None => usual,
         };
         return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
     }
@@ -52,7 +56,7 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
 fn image_of_stokes(lit: &Stack, number: usize, source: &Source, beta: Beta) -> ReflectanceFactor {
     let (stack, base) = (lit.in_runs(), lit.base());
     let (bins, air) = (base.bins(), Medium::new(vec![1.0; base.bins()].into()));
-    let whole = lit.polarised_view().and_then(|view| view.whole.clone()).unwrap_or_default();
+    let whole = lit.polarised_view().and_then(|view| view.whole().cloned()).unwrap_or_default();
     let (meter, light) = (whole.meter(None, beta), whole.light(number, source.direction(), beta));
     let medium = stack.layers().last().map_or(&air, |layer| &layer.medium);
     let of = |base: &Base| {

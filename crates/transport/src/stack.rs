@@ -24,7 +24,7 @@ use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::{Mirror, MirrorRun};
 use crate::polarised_view::PolarisedView;
 use crate::{
-    Approximation, Base, Described, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector,
+    Approximation, Base, Cone, Described, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector,
     Source, Top,
 };
 
@@ -290,7 +290,7 @@ impl Stack {
 
     /// Sets what is polarised: sources are those with these numbers in the lists of kernels and walks.
     pub fn set_polarised_view(&mut self, view: Option<PolarisedView>) {
-        let whole = || view.as_ref().and_then(|view| view.whole.clone());
+        let whole = || view.as_ref().and_then(|view| view.whole().cloned());
         if let Some(Form::Panel(panel)) = self.in_runs.as_deref_mut().map(|in_runs| &mut in_runs.form) {
             panel.whole = whole();
         }
@@ -331,7 +331,16 @@ impl Stack {
         }
     }
 
-    /// Weights of s and of p in what is seen of each source.
+    /// Weights of s and of p in what a view sees of each source in flat layers above a mirror, as their means over the view; without a view, in the
+    /// mirror image of its centre.
+    pub fn weights_in(&self, view: Option<&Cone>, sources: &[Source]) -> Vec<[f64; 2]> {
+        let Some(seen) = self.polarised_view().and_then(|view| view.rays()) else {
+            return self.weights_by_source(sources);
+        };
+        sources.iter().enumerate().map(|of| PolarisedView::weights_of_rays(seen, view, of)).collect()
+    }
+
+    /// Weights of s and of p in what is seen of each source, of the reflectance factors of both: 1 where they belong to each ray.
     pub fn weights_by_source(&self, sources: &[Source]) -> Vec<[f64; 2]> {
         let usual = self.weights_of_polarisations();
         let of = |(number, source)| match &self.polarised_view {

@@ -51,8 +51,7 @@ pub(crate) struct Filtered<'a> {
 /// Mirror-like pixels, and the light that they reflect.
 struct Mirrors {
     panel: Panel,
-    /// Each with its weight in what is seen.
-    sources: Vec<(Source, f64)>,
+    sources: Vec<Source>,
 }
 
 /// A period of pixels at a level, in the light of all sources.
@@ -139,12 +138,9 @@ impl<'a> Filtered<'a> {
         let Some(mut panel) = stack.panel_by_direction() else {
             return Err(Refused::FilterBelowLayers.into());
         };
-        let weights = setup.stack.weights_by_source(&setup.sources);
         let of_each = |(number, one): (usize, &Stack)| {
             let sources = setup.stack.sources_of(number, &setup.sources).into_owned();
-            let weights = weights.iter().map(|weights| weights[number]);
-            let panel = cleared(one).0.panel_by_direction()?;
-            Some(Mirrors { panel, sources: sources.into_iter().zip(weights).collect() })
+            Some(Mirrors { panel: cleared(one).0.panel_by_direction()?, sources })
         };
         let both = setup.stack.polarised().into_iter().flatten();
         let mut mirrors: Vec<Mirrors> = both.enumerate().filter_map(of_each).collect();
@@ -176,8 +172,7 @@ impl<'a> Filtered<'a> {
         setup.is_over_few_pixels()?;
         let gap_mm = air_below_front_mm(&panel).map_err(Refused::Fronts)?;
         if mirrors.is_empty() {
-            let sources = setup.sources.iter().map(|source| (source.clone(), 1.0)).collect();
-            mirrors.push(Mirrors { panel: panel.clone(), sources });
+            mirrors.push(Mirrors { panel: panel.clone(), sources: setup.sources.clone() });
         }
         Ok(Some(Self { setup, control, stack, panel, mirrors, glass, matrix, filter, gap_mm }))
     }
@@ -333,7 +328,7 @@ impl<'a> Filtered<'a> {
                 let of_source = |source: usize| {
                     self.control.check()?;
                     let view = &self.setup.views[number].field;
-                    self.of_mirrors(period, &asked, source, |panel, source| {
+                    self.of_mirrors(period, &asked, (source, Some(view)), |panel, source| {
                         self.mirrored_spread(panel, view, source, period.level)
                     })
                 };
@@ -369,26 +364,31 @@ impl<'a> Filtered<'a> {
         let period = self.period(level, 1)?;
         let below: Vec<Vec<usize>> = (0..states).map(|state| self.below(&[state])).collect();
         let asked = Asked { states: &below, windows: self.of_first_pixel(&period) };
-        let shown = self.of_mirrors(&period, &asked, source, |panel, _| {
+        let shown = self.of_mirrors(&period, &asked, (source, None), |panel, _| {
             PanelSpread::image(panel, beta).map_err(not_computed)
         })?;
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
     }
 
-    /// What is seen of mirror-like pixels in the light of a source, given this light by direction.
+    /// What a view sees of mirror-like pixels in the light of a source, or its mirror image there, given this light by direction.
     fn of_mirrors(
         &self,
         period: &Period,
         asked: &Asked<'_>,
-        source: usize,
+        (source, view): (usize, Option<&Cone>),
         spread: impl Fn(&Panel, &Source) -> Result<PanelSpread, DisplayError>,
     ) -> Result<Shown, DisplayError> {
-        let of_panel = |Mirrors { panel, sources }: &Mirrors| {
-            let (source, weight) = &sources[source];
-            let shown = period.planes.mirrored(panel, &spread(panel, source)?, asked, period.level as u32);
-            Ok((shown.map_err(not_computed)?, *weight))
+        let weights = match self.mirrors.len() {
+            1 => [1.0; 2],
+            _ => self.setup.stack.weights_in(view, &self.setup.sources)[source],
         };
-        let parts = self.mirrors.iter().map(of_panel).collect::<Result<Vec<_>, DisplayError>>()?;
+        let of_panel = |(Mirrors { panel, sources }, weight): (&Mirrors, f64)| {
+            let spread = spread(panel, &sources[source])?;
+            let shown = period.planes.mirrored(panel, &spread, asked, period.level as u32);
+            Ok((shown.map_err(not_computed)?, weight))
+        };
+        let parts =
+            self.mirrors.iter().zip(weights).map(of_panel).collect::<Result<Vec<_>, DisplayError>>()?;
         Shown::sum_of(parts).ok_or(DisplayError::NotFinite)
     }
 

@@ -41,6 +41,7 @@ mod picture;
 mod picture_samples;
 mod placed;
 mod polarised_crystals;
+mod polarised_views;
 mod port;
 mod prepared;
 mod returned;

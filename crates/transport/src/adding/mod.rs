@@ -11,6 +11,7 @@ mod azimuthal;
 mod layered;
 pub mod mirror_lobe;
 mod panel;
+mod rays;
 mod table_sums;
 
 use std::borrow::Cow;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use crate::layers::Narrowness;
-use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack};
+use crate::{Cone, Estimate, ReflectanceFactor, Source, Stack, WholeView};
 pub use layered::{LayeredSpread, NotCovered, PaperLight, Seen};
 pub use panel::ViewSums;
 pub(crate) use panel::{Shares, diffuse_shares, smooth_points};
@@ -101,6 +102,8 @@ pub struct Kernel {
     together: Arc<[Cone]>,
     /// Its own views and the sources, where any light is polarised.
     asked: Arc<(Vec<Cone>, Vec<Source>)>,
+    /// Of a kernel of s or of p in polarised light: all that views see.
+    rays: Option<Arc<rays::Rays>>,
 }
 
 #[derive(Debug, Clone)]
@@ -117,7 +120,14 @@ impl Kernel {
     /// Returns an empty kernel of this level, 0 (coarsest) to [`FINEST`].
     pub fn new(level: u32) -> Self {
         let level = f64::from(level);
-        Self { level, ledger: true, kind: Kind::Empty, together: Arc::default(), asked: Arc::default() }
+        Self {
+            level,
+            ledger: true,
+            kind: Kind::Empty,
+            together: Arc::default(),
+            asked: Arc::default(),
+            rays: None,
+        }
     }
 
     /// Returns an empty kernel of a first answer: number 0 is coarser than number 1, and both are coarser
@@ -135,7 +145,7 @@ impl Kernel {
 
     /// Returns an empty kernel that computes the same as this one once it is prepared.
     pub fn unprepared(&self) -> Self {
-        Self { kind: Kind::Empty, together: Arc::clone(&self.together), asked: Arc::default(), ..*self }
+        Self { together: Arc::clone(&self.together), ledger: self.ledger, level: self.level, ..Self::new(0) }
     }
 
     /// Prepares the kernel for these layers, views (cones of directions in air) and sources. Data prepared
@@ -203,7 +213,8 @@ impl Kernel {
         }
         if let Some(both) = stack.polarised() {
             let of = |one| view.map_or(Cow::Borrowed(sources), |view| view.sources(sources, Some(one)));
-            return self.prepare_both(both, (own, common), [0, 1].map(of), stop);
+            let seen = view.and_then(|view| view.rays());
+            return self.prepare_both(both, (own, common), ([0, 1].map(of), seen), stop);
         }
         let sources = &*view.map_or(Cow::Borrowed(sources), |view| view.sources(sources, None));
         let common = match common.map(|common| &common.kind) {
@@ -242,7 +253,7 @@ impl Kernel {
         &mut self,
         both: &[Stack; 2],
         (own, common): (&[Cone], Option<&Self>),
-        sources: [Cow<'_, [Source]>; 2],
+        (sources, seen): ([Cow<'_, [Source]>; 2], Option<&WholeView>),
         stop: &AtomicBool,
     ) -> bool {
         let common = match common.map(|common| &common.kind) {
@@ -258,6 +269,9 @@ impl Kernel {
             kernel.together = Arc::clone(&self.together);
             let common = common.map(|common| &common[number]);
             done = done && kernel.prepare_until(stack, (own, common), &sources[number], stop);
+            let lit = (own, &*sources[number]);
+            let rays = |seen| rays::Rays::new(stack, lit, (seen, number), panel::digits(self.level));
+            kernel.rays = seen.map(rays).map(Arc::new);
         }
         if done {
             self.kind = Kind::Polarised(kernels);
@@ -286,6 +300,9 @@ impl Kernel {
         let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             return both.iter().all(|(kernel, stack)| kernel.serves(stack));
+        }
+        if self.rays.as_ref().is_some_and(|rays| !rays.serve(stack)) {
+            return false;
         }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => kernel.serves(panel),
@@ -320,7 +337,10 @@ impl Kernel {
                 Estimate::default()
             }
         };
-        self.change(lit, view, &mut estimate.rho);
+        match &self.rays {
+            Some(rays) => estimate.rho = rays.seen(stack, view),
+            None => self.change(lit, view, &mut estimate.rho),
+        }
         (!stop.load(Ordering::Relaxed)).then_some(estimate)
     }
 
@@ -340,6 +360,9 @@ impl Kernel {
             let [s, p] = both.map(|(kernel, stack)| kernel.seen(stack, view));
             let weights = lit.weights_by_source(&self.asked.1);
             return s.iter().zip(&p).zip(weights).map(|((s, p), weights)| s.mixed_with(p, weights)).collect();
+        }
+        if let Some(rays) = &self.rays {
+            return rays.seen(stack, view);
         }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => {

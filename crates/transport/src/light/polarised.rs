@@ -1,8 +1,8 @@
 //! Which part of the light from a direction vibrates across the plane of incidence (s), and which in it (p).
 //!
 //! Flat layers keep s apart from p, and return of each what they return of it alone. What else polarised light has, the
-//! phase between s and p, is lost where it is not seen: without a polariser between s and p before the eye. Pixels that turn polarisation need
-//! all of it ([`light_of`]), in a frame ([`Frame`]).
+//! phase between s and p, is lost where it is not seen: without a polariser between s and p before the eye. Pixels that turn polarisation, and views
+//! along the normal, need all of it ([`light_of`]), in a frame ([`Frame`]).
 
 use std::f64::consts::SQRT_2;
 
@@ -102,11 +102,11 @@ pub(crate) fn light_of(vibration: &Vibration, centre: Option<Beta>, beta: Beta) 
 /// The vibration of partly polarised light, by direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Vibration {
-    /// The same from the plane of incidence of every direction.
+    /// The same in all directions of a lamp.
     Fixed {
         /// Degree of linear polarisation, 0 to 1.
         degree: f64,
-        /// Angle of the field from the plane of incidence, radians, counter-clockwise as seen from the source: 0 is p.
+        /// Angle of the field from the plane of incidence of the centre, radians, counter-clockwise as seen from the lamp: 0 is p.
         angle: f64,
     },
     /// Of a clear sky: across the plane of sun and direction, with the degree `most sin^2/(1 + cos^2)` of the angle

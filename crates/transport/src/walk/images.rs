@@ -4,12 +4,14 @@
 //! than the other, so that points of the larger rarely fall on the smaller. Points are therefore sampled in
 //! the smallest cone that contains the overlap (for a field: in the whole view). The reflectance of the
 //! display is known in closed form ([`specular_image`](crate::specular_image)).
+//!
+//! Of a flat display that keeps s and p apart in polarised light, these are all rays that a view sees, with a weight each.
 
 use papilio_sampling::{SampleStream, Sampler};
 
 use super::{PathNumbers, Target};
 use crate::specular::image_in;
-use crate::{Cone, Estimate, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
+use crate::{Cone, Estimate, Panel, ReflectanceFactor, Reflector, Source, Stack, Top, WholeView};
 
 /// Points of the view at which fields are evaluated before the first path.
 const POINTS: u64 = 1 << 13;
@@ -22,6 +24,8 @@ pub(super) struct Images<'a> {
     seen: Vec<VisibleSource>,
     /// Whether the stack mirrors any light.
     mirrors: bool,
+    /// What is polarised, and which polarisation these are of: s (0) or p (1).
+    polarised: Option<(WholeView, usize)>,
 }
 
 /// A source whose image may be visible.
@@ -39,9 +43,15 @@ struct VisibleSource {
 pub(super) struct Sums(Vec<ReflectanceFactor>);
 
 impl<'a> Images<'a> {
-    pub(super) fn new(stack: &'a Stack, view: Cone, sources: &[Source]) -> Self {
+    pub(super) fn new(
+        stack: &'a Stack,
+        view: Cone,
+        sources: &[Source],
+        polarised: Option<(WholeView, usize)>,
+    ) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
             let cone = match light {
+                Source::Diffuse if polarised.is_some() => view,
                 Source::Diffuse | Source::Beam(_) => return None,
                 Source::Disc(disc) => view.overlap(&disc.mirrored())?,
                 Source::Field(_) => view,
@@ -50,7 +60,8 @@ impl<'a> Images<'a> {
             let share = if view.is_point() { 1.0 } else { cone.solid_angle() / view.solid_angle() };
             Some(VisibleSource { source, light: light.clone(), cone, share })
         });
-        Self { stack, view, seen: seen.collect(), mirrors: mirrors(stack) }
+        let seen = seen.collect();
+        Self { stack, view, seen, mirrors: mirrors(stack), polarised }
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees an image with another
@@ -97,19 +108,28 @@ impl<'a> Images<'a> {
         for (seen, sum) in self.seen.iter().zip(&mut sums.0) {
             let beta = seen.cone.sample_towards(u);
             // Mirrors conserve direction cosines.
-            let Some(target) = Target::at(&seen.light, beta).filter(|_| self.view.holds(beta)) else {
-                continue;
+            let strength = match &seen.light {
+                Source::Diffuse => Some(1.0),
+                light => Target::at(light, beta).map(|target| target.strength),
             };
+            let Some(strength) = strength.filter(|_| self.view.holds(beta)) else { continue };
             let of = (seen.source, seen.light.direction());
-            let (image, weight) = (image_in(self.stack, &self.view, of, beta), seen.share * target.strength);
-            sum.add(&image, weight);
+            let weight = self
+                .polarised
+                .as_ref()
+                .map_or(1.0, |(polarised, number)| polarised.weights(Some(&self.view), of, beta)[*number]);
+            sum.add(&image_in(self.stack, &self.view, of, beta), weight * seen.share * strength);
         }
     }
 
     /// Adds the mean images to the estimate of each source.
     pub(super) fn add_to(&self, estimate: &mut Estimate, sums: &Sums, scale: f64) {
         for (seen, sum) in self.seen.iter().zip(&sums.0) {
-            estimate.rho[seen.source].add(sum, scale);
+            let rho = &mut estimate.rho[seen.source];
+            if self.polarised.is_some() {
+                *rho = ReflectanceFactor::zeros(rho.via_pixel.states(), rho.front.len());
+            }
+            rho.add(sum, scale);
         }
     }
 }

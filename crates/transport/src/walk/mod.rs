@@ -57,7 +57,7 @@ use papilio_optics::{Beta, with_widest_simd};
 use papilio_sampling::{PLANNED_BLOCKS, SampleStream, warp};
 
 use crate::polarised_view::Changes;
-use crate::{Cone, Estimate, Source, Stack, Top};
+use crate::{Cone, Estimate, Source, Stack, Top, WholeView};
 use bare::Bare;
 use diffused::Diffused;
 use images::Images;
@@ -154,7 +154,7 @@ impl<'a> Walk<'a> {
         strategy: Strategy,
         shares: &[f64],
     ) -> Self {
-        Self::of_light(stack, view, Cow::Borrowed(sources), (strategy, shares))
+        Self::of_light(stack, (view, None), Cow::Borrowed(sources), (strategy, shares))
     }
 
     /// Prepares the tracer of Stokes parameters, which media with a phase matrix need.
@@ -164,7 +164,7 @@ impl<'a> Walk<'a> {
 
     fn of_light(
         stack: &'a Stack,
-        view: Cone,
+        (view, polarised): (Cone, Option<(WholeView, usize)>),
         sources: Cow<'a, [Source]>,
         (strategy, shares): (Strategy, &[f64]),
     ) -> Self {
@@ -179,7 +179,9 @@ impl<'a> Walk<'a> {
                     Some(light) => Cow::Owned(light.sources(&sources, Some(number)).into_owned()),
                     None => sources.clone(),
                 };
-                Self::of_light(&both[number], view, own, (strategy, shares))
+                let rays = lit.polarised_view().and_then(|light| light.rays());
+                let polarised = rays.map(|seen| (seen.clone(), number));
+                Self::of_light(&both[number], (view, polarised), own, (strategy, shares))
             };
             let walks = Box::new([0, 1].map(of));
             let weights = (lit.weights_by_source(&sources), lit.weights_of_polarisations());
@@ -190,7 +192,7 @@ impl<'a> Walk<'a> {
             Some(light) => Cow::Owned(light.sources(&sources, None).into_owned()),
             None => sources,
         };
-        let images = Images::new(stack, view, &sources);
+        let images = Images::new(stack, view, &sources, polarised);
         let kind = match stack.panel() {
             None => Kind::Layered(Box::new(Layered::new(stack, view, sources)), images),
             Some(panel) => match &panel.top {

@@ -61,7 +61,7 @@ type Sent = (Departure, Vec<Row>, f64);
 impl<'a> Stokes<'a> {
     pub(super) fn new(lit: &'a Stack, view: Cone, sources: Cow<'a, [Source]>) -> Self {
         let stack = lit.in_runs();
-        let whole = lit.polarised_view().and_then(|view| view.whole.clone());
+        let whole = lit.polarised_view().and_then(|view| view.whole().cloned());
         let air = Medium::new(vec![1.0; stack.base().bins()].into());
         let (mut bins, mut numbers) = (Vec::new(), HashMap::new());
         let number = |bin: usize| {

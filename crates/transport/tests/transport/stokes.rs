@@ -11,7 +11,7 @@ use papilio_optics::phase::PhaseMatrix;
 use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::walk::{Plain, Walk};
 use papilio_transport::{
-    Cone, Estimate, Interface, Medium, PolarisedLight, PolarisedView, Scattering, Source, Stack, Vibration,
+    Cone, Estimate, Followed, Interface, Medium, PolarisedView, Scattering, Source, Stack, Vibration,
     WholeView, specular_image_of,
 };
 
@@ -21,8 +21,8 @@ use crate::layers::{assert_close, beam, clear, estimate, slab, stack};
 /// The stack with a polariser before the eye and these vibrations of the sources.
 fn lit(stack: &Stack, polariser: Option<f64>, vibrations: Vec<Option<Vibration>>) -> Stack {
     let mut stack = stack.clone();
-    let whole = Some(WholeView { polariser, vibrations });
-    stack.set_polarised_view(Some(PolarisedView { whole, ..PolarisedView::default() }));
+    let seen = WholeView { polariser, vibrations };
+    stack.set_polarised_view(Some(PolarisedView { seen, followed: Followed::Whole }));
     stack
 }
 
@@ -118,9 +118,8 @@ fn flat_layers_keep_s_and_p() {
         let (sin, cos) = polariser.sin_cos();
         let both = [Polarisation::S, Polarisation::P].map(|one| interfaces(Interface::FresnelOf(one)));
         let mut exact = interfaces(Interface::Fresnel).with_polarisations(both, [sin * sin, cos * cos]);
-        let lamp = PolarisedLight::kept(&sources[1], fixed(0.7, 0.0));
-        exact
-            .set_polarised_view(Some(PolarisedView { lights: vec![None, lamp], ..PolarisedView::default() }));
+        let seen_by = WholeView { polariser: Some(polariser), vibrations: vibrations.clone() };
+        exact.set_polarised_view(Some(PolarisedView { seen: seen_by, followed: Followed::Rays }));
         let truth = estimate(1, &exact, view(65.0), &sources);
         let found = seen(
             &interfaces(Interface::Fresnel),

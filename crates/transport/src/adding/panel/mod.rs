@@ -90,9 +90,14 @@ impl Views<'_> {
     }
 }
 
+/// Digits of a level.
+pub(super) fn digits(level: f64) -> f64 {
+    11.5 + 3.5 * level
+}
+
 impl Kernel {
     pub(super) fn new(level: f64) -> Self {
-        Self { digits: 11.5 + 3.5 * level, kind: Kind::Bare(bare::Kernel::default()) }
+        Self { digits: digits(level), kind: Kind::Bare(bare::Kernel::default()) }
     }
 
     /// Prepares views and sources; incomplete if `stop` is set during the computation.

@@ -258,7 +258,7 @@ impl<'a> PlacedWalk<'a> {
         let Some(both) = stack.polarised() else {
             return Ok(Self { walks: vec![of((stack, sources.into()), vec![1.0; sources.len()], 1.0)] });
         };
-        let (by_source, usual) = (stack.weights_by_source(sources), stack.weights_of_polarisations());
+        let (by_source, usual) = (stack.weights_in(Some(&view), sources), stack.weights_of_polarisations());
         let walks = both.iter().enumerate().map(|(number, own)| {
             let sources = stack.sources_of(number, sources);
             of((own, sources), by_source.iter().map(|weights| weights[number]).collect(), usual[number])

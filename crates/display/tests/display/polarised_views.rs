@@ -1,0 +1,169 @@
+//! Polarised light that mirrors and sheets return, seen through a polariser that is fixed to the view: closed forms along the normal, where s and p are
+//! not, and where s and p are reflected alike.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use papilio_display::Control;
+use papilio_display::result::View;
+use papilio_display::spatial::{mtf, walk};
+use papilio_scenario::{Resolved, Scenario};
+use papilio_transport::walk::places::Uniform;
+
+use crate::common::run_on;
+use crate::filter::{filter, near};
+
+const MIRROR: &str =
+    "[display.pixel]\nmodel = \"uniform\"\nkind = \"mirror\"\nreflectance = { white = 0.9, black = 0.1 }\n";
+const FILM: &str = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\narea = { x = 1.0 }\n\
+    gap_nm = { x = 120, dark = 20 }\n\
+    film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n\
+    default_states = false\nstates = { white = { x = 1.0 } }\n";
+const PAPER: &str =
+    "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.5 }\n";
+const GLASS: &str = "[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\nthickness_mm = 0.3\n";
+const CLEAR: &str = "[display.glass]\nindex = 1.5\nsurface = \"ideal-ar\"\nthickness_mm = 0.3\n";
+const FRONT: &str = "[[display.front]]\nreflectance = 0.1\ngap_mm = 0.2\n";
+const SKY: &str = "[[lighting.environment]]\nshare = 1.0\nmodel = \"sky\"\nnumber = 12\nsun_elevation_deg = 20\n\
+    polarisation = 0.75\n";
+const PATHS: &str = "solver={ method = \"monte-carlo\", paths = 4096 }";
+
+fn view(theta_deg: f64, field_deg: f64) -> String {
+    format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = {field_deg}\n")
+}
+
+/// A lamp with its field at this angle.
+fn lamp([theta_deg, phi_deg, radius_deg]: [f64; 3], angle_deg: f64) -> String {
+    format!(
+        "[[lighting.directed]]\ntheta_deg = {theta_deg}\nphi_deg = {phi_deg}\nshare = 1.0\nradius_deg = {radius_deg}\n\
+         polarisation = {{ degree = 1.0, angle_deg = {angle_deg} }}\n"
+    )
+}
+
+fn resolved(parts: &[&str], more: &[&str]) -> Resolved {
+    let text = format!(
+        "[spectrum]\nstep_nm = 80\n[solver]\nmethod = \"adding\"\nrelative_error = 1e-4\n\
+         [lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 0.0\n{}",
+        parts.concat()
+    );
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let more: Vec<String> = more.iter().map(|text| (*text).to_owned()).collect();
+    Scenario::from_text(&text, "polarised.toml", &folder, &more).unwrap().resolve().unwrap()
+}
+
+fn seen(parts: &[&str], more: &[&str]) -> View {
+    run_on(&resolved(parts, more).scene, Some(1)).unwrap().views.remove(0)
+}
+
+fn y(view: &View) -> f64 {
+    view.states.get("white").unwrap().value.Y
+}
+
+/// The sky that a mirror shows along the normal, 70 deg from the sun, vibrates across the plane of the sun with Rayleigh's degree, and Malus's law follows
+/// the polariser as it turns with the view: in runs, light with its places, and below a colour filter, by both solvers.
+#[test]
+fn sky_along_the_normal_follows_the_law_of_malus() {
+    let (sin, cos) = 70.0_f64.to_radians().sin_cos();
+    let degree = 0.75 * sin * sin / (1.0 + cos * cos);
+    let turned = |phi_deg: f64, polariser_deg: f64| {
+        let across_sun = 90.0;
+        1.0 + degree * (2.0 * (phi_deg + polariser_deg - across_sun).to_radians()).cos()
+    };
+    let panels = [[GLASS, FILM].concat(), [CLEAR, MIRROR].concat(), [FRONT, GLASS, MIRROR].concat()];
+    for panel in &panels {
+        let own = view(0.0, 0.0);
+        let all = y(&seen(&[panel, SKY, &own], &[]));
+        for (phi_deg, polariser, polariser_deg) in [(0.0, "s", 90.0), (0.0, "p", 0.0), (35.0, "s", 90.0)] {
+            let asked = [format!("viewer.phi_deg={phi_deg}"), format!("viewer.polariser={polariser}")];
+            let asked = asked.each_ref().map(String::as_str);
+            let found = y(&seen(&[panel, SKY, &own], &asked)) / all;
+            near(panel, found, turned(phi_deg, polariser_deg), 1e-9);
+            let walked = y(&seen(&[panel, SKY, &own], &[&asked[..], &[PATHS]].concat())) / all;
+            near(panel, walked, turned(phi_deg, polariser_deg), 1e-6);
+        }
+    }
+
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let filter = filter(30.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let matrix = "[display.matrix]\nppi = 200\n";
+    let own = view(0.0, 0.0);
+    let placed = |more: &[&str]| {
+        let scenario = resolved(&[GLASS, FILM, matrix, SKY, &own], more);
+        let sharpness = mtf(&scenario.scene, &scenario.patterns, &control).unwrap();
+        let paths = walk::pattern(&scenario.scene, &Uniform { states: 1 }, 1 << 10, &control).unwrap();
+        let filtered = y(&seen(&[GLASS, MIRROR, &filter, SKY, &own], more));
+        [sharpness.views[0].states.get("white").unwrap().Y_via_pixel, paths[0].via_pixel[0].value, filtered]
+    };
+    let (all, s) = (placed(&[]), placed(&["viewer.polariser=s"]));
+    for (way, (all, s)) in ["mtf", "paths", "filter"].into_iter().zip(all.into_iter().zip(s)) {
+        near(way, s / all, turned(0.0, 90.0), 1e-6);
+    }
+}
+
+/// A lamp along the normal: Malus's law between its field and what the polariser passes, both of which turn about the normal.
+#[test]
+fn lamp_along_the_normal_follows_the_law_of_malus() {
+    for panel in [[GLASS, FILM].concat(), [CLEAR, MIRROR].concat()] {
+        for (lamp_phi_deg, view_phi_deg) in [(0.0, 30.0), (50.0, 10.0)] {
+            let own = view(0.0, 0.0);
+            let lit = lamp([0.0, lamp_phi_deg, 3.0], 90.0);
+            let phi = format!("viewer.phi_deg={view_phi_deg}");
+            let all = y(&seen(&[&panel, &lit, &own], &[&phi]));
+            let law = (lamp_phi_deg - view_phi_deg).to_radians().cos().powi(2);
+            for (polariser, expected) in [("s", 2.0 * law), ("p", 2.0 - 2.0 * law)] {
+                let polariser = format!("viewer.polariser={polariser}");
+                near(&panel, y(&seen(&[&panel, &lit, &own], &[&phi, &polariser])) / all, expected, 1e-9);
+                let walked = y(&seen(&[&panel, &lit, &own], &[&phi, &polariser, PATHS])) / all;
+                near(&panel, walked, expected, 1e-6);
+            }
+        }
+    }
+}
+
+/// In uniform unpolarised light, a wide view about the normal has no plane of incidence: both polarisers show the same.
+#[test]
+fn wide_views_along_the_normal_show_the_same_through_both_polarisers() {
+    let parts = [GLASS, FILM, &view(0.0, 60.0)];
+    for more in [&[][..], &[PATHS]] {
+        let of = |one: &[&str]| y(&seen(&parts, &[&["lighting.diffuse=1"], one, more].concat()));
+        let [all, s, p] = [&[][..], &["viewer.polariser=s"], &["viewer.polariser=p"]].map(of);
+        near("s", s / all, 1.0, if more.is_empty() { 1e-9 } else { 1e-4 });
+        near("p", p / all, 1.0, if more.is_empty() { 1e-9 } else { 1e-4 });
+    }
+}
+
+/// Where s and p are reflected alike, polarised light is still polarised: mirrors below an ideal coating, and a sheet above paper, whose mirror image has
+/// the luminance of the sheet times that of the lamp.
+#[test]
+fn mirrors_and_sheets_keep_polarisation() {
+    let lit = lamp([30.0, 180.0, 5.0], 90.0);
+    let own = view(30.0, 0.0);
+    let of = |parts: &[&str], polariser: &str, more: &[&str]| {
+        let polariser = format!("viewer.polariser={polariser}");
+        let view = seen(&[parts, &[&lit, &own]].concat(), &[&[polariser.as_str()], more].concat());
+        assert!(view.states.get("white").unwrap().value.Y >= 0.0);
+        y(&view)
+    };
+    // Reflectance factor of a perfect mirror.
+    let image = 1.0 / (5.0_f64.to_radians().sin().powi(2) * 30.0_f64.to_radians().cos());
+    for more in [&[][..], &[PATHS]] {
+        near("mirror, s", of(&[CLEAR, MIRROR], "s", more) / (2.0 * 0.9 * image), 1.0, 1e-9);
+        near("mirror, p", of(&[CLEAR, MIRROR], "p", more), 0.0, 1e-9);
+        let [s, p] = ["s", "p"].map(|one| of(&[FRONT, CLEAR, PAPER], one, more));
+        near("sheet", (s - p) / (2.0 * 0.1 * image), 1.0, if more.is_empty() { 1e-6 } else { 1e-3 });
+    }
+    // An oblique polariser is refused where the phase between s and p is not known, and is not one here.
+    near("mirror, 60 deg", of(&[CLEAR, MIRROR], "60", &[]) / (1.5 * 0.9 * image), 1.0, 1e-9);
+}
+
+/// A diffuser that keeps s and p above a mirror: a lamp of p is not seen through a polariser for s.
+#[test]
+fn diffusers_that_keep_polarisation_need_no_face() {
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.2\ntransmittance = 0.95\ndepolarisation = 0\n";
+    let lit = lamp([30.0, 180.0, 3.0], 0.0);
+    let of = |one: &[&str]| y(&seen(&[lobe, CLEAR, MIRROR, &lit, &view(40.0, 0.0)], one));
+    let [all, s, p] = [&[][..], &["viewer.polariser=s"], &["viewer.polariser=p"]].map(of);
+    near("p", p / all, 2.0, 1e-9);
+    near("s", s / all, 0.0, 1e-9);
+}
