@@ -230,7 +230,9 @@ impl Resolver<'_> {
                 }
             };
             return Some(sliced(slicing, enough, |depth| {
-                (rub_deg + between(&profile.twist_deg, depth), between(&profile.tilt_deg, depth))
+                let (right, share) = between(&profile.depth, depth);
+                let at = |angles: &[f64]| angles[right - 1] + share * (angles[right] - angles[right - 1]);
+                (rub_deg + at(&profile.twist_deg), at(&profile.tilt_deg))
             }));
         }
         if tilt.is_none() && twist.is_none() {
@@ -319,11 +321,11 @@ fn director_at(rows: &[DirectorRow], depth: f64) -> (f64, f64) {
     (a.tilt_deg + t * (b.tilt_deg - a.tilt_deg), a.twist_deg + t * (b.twist_deg - a.twist_deg))
 }
 
-/// Returns a value at a depth, linear between values at equal steps.
-fn between(values: &[f64], depth: f64) -> f64 {
-    let at = depth * (values.len() - 1) as f64;
-    let k = (at as usize).min(values.len() - 2);
-    values[k] + (at - k as f64) * (values[k + 1] - values[k])
+/// Returns the number of the first of these rising depths at or below a depth, from 1 on, and the position between it and the one above.
+fn between(depths: &[f64], depth: f64) -> (usize, f64) {
+    let right = depths.partition_point(|other| *other < depth).clamp(1, depths.len() - 1);
+    let above = depths[right - 1];
+    (right, ((depth - above) / (depths[right] - above)).clamp(0.0, 1.0))
 }
 
 /// Returns slices with the director in the middle of each, as many as are stated or enough; `enough` becomes the largest number so far.
