@@ -290,14 +290,14 @@ impl Points {
         for row in &rows {
             points.push(&header, &values, row, (accept, &mut by_name))?;
         }
-        if matches!(&values, Values::Columns(_, states) if states.iter().all(|(column, _)| column.unit.is_none()))
-        {
-            points.divide_per_cent(&head, accept, has_own_unit)?;
-        }
-        if let Values::Xyz(columns) = &values
-            && columns.iter().all(|column| column.unit.is_none())
-            && !is_own(&head)
-        {
+        // Values of Papilio's own tables have their scale.
+        let has_no_unit = match &values {
+            Values::Columns(_, states) => states.iter().all(|(column, _)| column.unit.is_none()),
+            Values::Spectrum(_, factor) => factor.unit.is_none() && !is_own(&head),
+            Values::Xyz(columns) => columns.iter().all(|column| column.unit.is_none()) && !is_own(&head),
+            Values::Lab(_) => false,
+        };
+        if has_no_unit {
             points.divide_per_cent(&head, accept, has_own_unit)?;
         }
         Ok(points)

@@ -15,6 +15,9 @@ const FIRST_ROWS: usize = 60;
 
 /// Returns the wavelength of a column `400 nm`, `400`, `R_400`, `nm400` or `SPECTRAL_NM_400`, nm.
 fn wavelength(name: &str) -> Option<f64> {
+    // `R_400 (1)`: the unit of the values is no digit of the wavelength.
+    let column = ColumnName::new(name);
+    let name = if matches!(column.unit, Some(Ok(Unit::Fraction(_)))) { &column.text } else { name };
     let plain: String =
         name.chars().filter(|c| !c.is_whitespace() && !matches!(c, '[' | ']' | '(' | ')' | '_')).collect();
     let plain = plain.to_ascii_lowercase().replace(['%', ':'], "");

@@ -333,6 +333,18 @@ impl Header {
             .map(|cell| cell.trim().trim_matches('"').to_owned())
             .filter(|cell| !cell.is_empty())
             .collect();
+        // A row of units below the names.
+        let bare = |cell: &String| cell.trim_matches(['(', ')', '[', ']']).to_owned();
+        let units: Vec<String> = cells.iter().map(bare).collect();
+        if let Some(names) = &mut self.names
+            && names.cells.len() == units.len()
+            && units.iter().all(|unit| um_of(unit).is_some())
+        {
+            for (name, unit) in names.cells.iter_mut().zip(&units) {
+                *name = format!("{name} ({unit})");
+            }
+            return Ok(());
+        }
         // They are used if there are as many columns.
         self.note(line, is_comment);
         if cells.len() >= 2 {

@@ -464,3 +464,31 @@ fn profiles_that_are_probably_in_radians_are_refused() {
         assert!(read(text).is_ok(), "{text}");
     }
 }
+
+/// Rows of states and wavelengths follow the rule of columns of states: 45 is 45 %, 3 needs its unit, and the title of a wavelength may state it.
+#[test]
+fn rows_of_wavelengths_in_per_cent_are_divided() {
+    let long = |unit: &str, value: &str| {
+        let rows = ["400", "550", "700"].map(|nm| format!("white,0,{nm},{value}\n")).concat();
+        let text = format!("state,theta_deg,wavelength_nm,reflectance_factor{unit}\n{rows}");
+        read_measured_panel(&data("panel.csv", text.as_bytes())).map(|read| {
+            let Quantity::Spectrum(spectrum) = &read.value[0].quantity else { panic!("{text}") };
+            let notes = read.warnings.iter().filter(|note| note.contains("per cent")).count();
+            (spectrum.values()[0], notes)
+        })
+    };
+    for (unit, value, expected, notes) in [
+        ("", "45", 0.45, 1),
+        (" (%)", "45", 0.45, 0),
+        (" (%)", "0.45", 0.0045, 0),
+        ("", "1.2", 1.2, 0),
+        (" (1)", "3", 3.0, 0),
+    ] {
+        let (found, noted) = long(unit, value).unwrap();
+        near(&format!("{value}{unit}"), found, expected, 1e-12);
+        assert_eq!(noted, notes, "{value}{unit}");
+    }
+    assert!(long("", "3").unwrap_err().to_string().contains("the values reach 3"));
+    let own = "Sample,R_400 (1),R_550 (1),R_700 (1)\nwhite,0.6,0.6,0.6\n";
+    near("a unit of 1", first_of_panel("panel.csv", own).0, 0.6, 1e-12);
+}

@@ -167,3 +167,17 @@ fn damaged_files_of_all_formats_are_errors() {
         }
     }
 }
+
+/// Units of points in a row below the names of the columns are those behind the names.
+#[test]
+fn units_of_points_may_stand_in_a_row_of_their_own() {
+    let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n2,0,3\n2,1,3\n";
+    let map = |head: &str| read(format!("{head}\n{points}").into_bytes()).unwrap();
+    let behind = map("x (mm),y (mm),z (nm)");
+    assert_eq!((behind.pitch_um, behind.unit_um), ([1000.0, 1000.0].into(), Some(1e-3)));
+    for head in ["x,y,z\nmm,mm,nm", "x,y,z\n(mm),(mm),(nm)", "x,y,z\n[mm],[mm],[nm]"] {
+        let below = map(head);
+        assert_eq!((below.pitch_um, below.unit_um), (behind.pitch_um, behind.unit_um), "{head}");
+        assert_eq!(below.numbers, behind.numbers, "{head}");
+    }
+}
