@@ -8,8 +8,8 @@ use papilio_figures::{Chart, ChartCurve, Hue, chart};
 use papilio_formats::write_file;
 use papilio_scenario::Diagnostic;
 use papilio_scenario::{
-    IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,
-    material_sheet, materials, materials_called, materials_like,
+    IlluminantEntry, IlluminantSheet, LiquidCrystalEntry, MaterialEntry, MaterialSheet, illuminant_sheet,
+    illuminants, liquid_crystals, material_sheet, materials, materials_called, materials_like,
 };
 use serde::Serialize;
 
@@ -22,9 +22,14 @@ const SHOWN_NM: [f64; 9] = [380.0, 400.0, 450.0, 500.0, 550.0, 600.0, 650.0, 700
 /// Runs `papilio materials`.
 pub(crate) fn list_materials(arguments: &Catalogue) -> Result<(), Failure> {
     let Some(name) = &arguments.name else {
-        let all = materials();
-        return all_of(arguments, "materials", &all, &material_rows(&all));
+        let (all, crystals) = (materials(), liquid_crystals());
+        let other = ("liquid_crystals", serde_json::json!(crystals), crystal_rows(&crystals));
+        return all_with(arguments, "materials", &all, &material_rows(&all), Some(other));
     };
+    if let Some(crystal) = liquid_crystals().into_iter().find(|one| one.name.eq_ignore_ascii_case(name)) {
+        let all = [crystal];
+        return all_of(arguments, "liquid_crystals", &all, &crystal_rows(&all));
+    }
     match material_sheet(name) {
         Ok(sheet) => {
             let files = material_files(&sheet);
@@ -89,19 +94,41 @@ fn all_of<T: Serialize>(
     entries: &[T],
     rows: &Rows,
 ) -> Result<(), Failure> {
+    all_with(arguments, kind, entries, rows, None)
+}
+
+/// Does the same with a second list below: its kind, entries and rows.
+fn all_with<T: Serialize>(
+    arguments: &Catalogue,
+    kind: &str,
+    entries: &[T],
+    rows: &Rows,
+    other: Option<(&str, serde_json::Value, Rows)>,
+) -> Result<(), Failure> {
     let mut stdout = crate::terminal::stdout();
     if arguments.json {
-        serde_json::to_writer_pretty(&mut stdout, &serde_json::json!({ kind: entries }))
-            .map_err(std::io::Error::from)?;
+        let mut all = serde_json::json!({ kind: entries });
+        if let Some((kind, entries, _)) = &other {
+            all[*kind] = entries.clone();
+        }
+        serde_json::to_writer_pretty(&mut stdout, &all).map_err(std::io::Error::from)?;
         writeln!(stdout)?;
     } else {
         stdout.write_all(aligned(rows).as_bytes())?;
-        let one = kind.trim_end_matches('s');
-        writeln!(stdout, "\npapilio {kind} NAME: source, numbers and a figure of one {one}")?;
+        if let Some((_, _, rows)) = &other {
+            write!(stdout, "\n{}", aligned(rows))?;
+        }
+        // A liquid crystal has no sheet of its own.
+        if kind != "liquid_crystals" {
+            let one = kind.trim_end_matches('s');
+            writeln!(stdout, "\npapilio {kind} NAME: source, numbers and a figure of one {one}")?;
+        }
     }
     stdout.flush()?;
     if let Some(folder) = &arguments.out {
-        write_all(folder, &[(format!("{kind}.csv"), csv(rows))])?;
+        let mut files = vec![(format!("{kind}.csv"), csv(rows))];
+        files.extend(other.map(|(kind, _, rows)| (format!("{kind}.csv"), csv(&rows))));
+        write_all(folder, &files)?;
     }
     Ok(())
 }
@@ -188,6 +215,16 @@ fn material_rows(entries: &[MaterialEntry]) -> Rows {
         vec![entry.name.clone(), n, k, range(entry.measured_nm), entry.what.clone()]
     };
     std::iter::once(titles).chain(entries.iter().map(row)).collect()
+}
+
+fn crystal_rows(entries: &[LiquidCrystalEntry]) -> Rows {
+    let titles = ["liquid crystal", "n_o (550 nm)", "n_e (550 nm)", "data (nm)", "what"];
+    let row = |entry: &LiquidCrystalEntry| {
+        let [n_o, n_e] = [entry.n_o_550, entry.n_e_550].map(|n| format!("{n:.4}"));
+        let what = format!("{}: {}", entry.what, entry.source);
+        vec![entry.name.clone(), n_o, n_e, range(Some(entry.measured_nm)), what]
+    };
+    std::iter::once(titles.map(str::to_owned).to_vec()).chain(entries.iter().map(row)).collect()
 }
 
 fn material_text(sheet: &MaterialSheet) -> String {

@@ -72,3 +72,18 @@ fn words_list_materials_and_unknown_names_are_answered() {
     wrong(&["illuminants", "D93"], "{ daylight_K = 9305 }");
     wrong(&["illuminants", "FL13"], "did you mean");
 }
+
+/// The liquid crystals of cells, with the indices of the published formula n = A + B/l^2 + C/l^4 at 0.55 um.
+#[test]
+fn materials_list_the_liquid_crystals() {
+    let square = 0.55_f64.powi(-2);
+    let n = |[a, b, c]: [f64; 3]| format!("{:.4}", a + b * square + c * square * square);
+    let (n_o, n_e) = (n([1.4990, 0.0072, 0.0003]), n([1.6933, 0.0078, 0.0028]));
+    for arguments in [&["materials"][..], &["materials", "e7"]] {
+        let text = stdout(&papilio(arguments));
+        let row = text.lines().find(|line| line.starts_with("E7 ")).unwrap();
+        assert!(row.contains(&n_o) && row.contains(&n_e) && row.contains("J. Disp. Technol."), "{row}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&stdout(&papilio(&["materials", "--json"]))).unwrap();
+    assert_eq!(json["liquid_crystals"].as_array().unwrap().len(), 3);
+}

@@ -275,8 +275,8 @@ pub(crate) fn view(
 
 /// Returns notes on what is polarised.
 pub(crate) fn notes(scene: &Scene) -> Vec<String> {
-    let Some(asked) = Asked::of(scene) else { return Vec::new() };
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = note_of_coatings(scene).into_iter().collect();
+    let Some(asked) = Asked::of(scene) else { return notes };
     if let Some(angle_deg) = asked.polariser_deg {
         let which = match angle_deg.rem_euclid(180.0) {
             0.0 => "p, in the plane of incidence".to_owned(),
@@ -306,6 +306,17 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
 /// What light meets before the first scatterer that does not keep s and p.
 fn met_unscattered(scene: &Scene) -> Meetings {
     Meetings::of(scene).unwrap_or_else(|| Meetings::within(scene, top_layers(scene)))
+}
+
+/// Returns a note if light meets a liquid crystal below a coating, whose phase between s and p is left out.
+fn note_of_coatings(scene: &Scene) -> Option<String> {
+    let Pixel::Crystal(pixel) = &scene.display.pixel else { return None };
+    let turns = pixel.parts.iter().any(|part| part.indices.windows(2).any(|pair| pair[0] != pair[1]));
+    (turns && is_whole(scene) && has_coating(scene)).then(|| {
+        "the phase between s and p in a coating above a liquid crystal is not followed: along the normal it is 0, at oblique \
+         angles reflectances may be several per cent off; with a bare face or a component in place of the coating, phases are complete"
+            .to_owned()
+    })
 }
 
 /// The flat layers above the first scatterer, by their interfaces.

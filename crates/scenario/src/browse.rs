@@ -3,8 +3,9 @@
 use papilio_colour::{LUMENS_PER_WATT, Observer, colour_temperature, rendering_index};
 use papilio_diagnostics::Diagnostic;
 use papilio_spectra::{
-    Dispersion, Grid, IlluminantInfo, MaterialInfo, Spectrum, illuminant, illuminant_info, illuminant_name,
-    illuminant_names, material, material_info, material_names, materials_called,
+    Dispersion, Grid, IlluminantInfo, LIQUID_CRYSTAL_RANGE_NM, MaterialInfo, Spectrum, illuminant,
+    illuminant_info, illuminant_name, illuminant_names, liquid_crystal, liquid_crystal_names, material,
+    material_info, material_names, materials_called,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -56,6 +57,25 @@ pub struct MaterialSheet {
     pub k: Vec<f64>,
 }
 
+/// A named liquid crystal.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LiquidCrystalEntry {
+    /// Name in scenarios.
+    pub name: String,
+    /// Kind and temperature.
+    pub what: String,
+    /// Authors and publication.
+    pub source: String,
+    /// Licence of the numbers.
+    pub licence: String,
+    /// First and last wavelength of the data, nm; the formula is used beyond, with a note.
+    pub measured_nm: [f64; 2],
+    /// Ordinary index at 550 nm.
+    pub n_o_550: f64,
+    /// Extraordinary index at 550 nm.
+    pub n_e_550: f64,
+}
+
 /// A CIE illuminant.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "the field's own symbols: K, Ra")]
@@ -105,6 +125,25 @@ pub fn materials() -> Vec<MaterialEntry> {
     let mut entries: Vec<MaterialEntry> = entries.collect();
     entries.sort_by_cached_key(|entry| entry.name.to_lowercase());
     entries
+}
+
+/// Returns all named liquid crystals.
+pub fn liquid_crystals() -> Vec<LiquidCrystalEntry> {
+    let entry = |name: &str| {
+        let [n_o_550, n_e_550] = liquid_crystal(name)?.indices(LISTED_NM);
+        let (first, last) = LIQUID_CRYSTAL_RANGE_NM;
+        Some(LiquidCrystalEntry {
+            name: name.to_owned(),
+            what: "nematic liquid crystal at 25 deg C".to_owned(),
+            source: "J. Li, C. H. Wen, S. Gauza, R. Lu, S. T. Wu, J. Disp. Technol. 1, 51-61 (2005)"
+                .to_owned(),
+            licence: DATABASE_LICENCE.to_owned(),
+            measured_nm: [first, last],
+            n_o_550,
+            n_e_550,
+        })
+    };
+    liquid_crystal_names().filter_map(entry).collect()
 }
 
 /// Returns the material of this name, with its numbers.

@@ -87,8 +87,8 @@ mod varied;
 mod word;
 
 pub use browse::{
-    IlluminantEntry, IlluminantSheet, MaterialEntry, MaterialSheet, illuminant_sheet, illuminants,
-    material_sheet, materials, materials_like, with_catalogue_tables,
+    IlluminantEntry, IlluminantSheet, LiquidCrystalEntry, MaterialEntry, MaterialSheet, illuminant_sheet,
+    illuminants, liquid_crystals, material_sheet, materials, materials_like, with_catalogue_tables,
 };
 pub use edit::{Edit, edit};
 pub use error::{ScenarioError, ScenarioErrors, near_file};

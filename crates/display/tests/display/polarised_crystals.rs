@@ -375,3 +375,23 @@ fn polarisers_are_refused_where_the_light_counts_as_unpolarised() {
     // One face, at 60 deg: it mirrors 18 % of s and nothing of p.
     assert!((0.5 * (s + p) / both - 1.0).abs() < 0.02 && s > p + 0.03, "{s} {p} {both}");
 }
+
+/// A coating shifts s against p, which is left out above layers that turn the one into the other: a note says so, for those alone.
+#[test]
+fn coatings_above_a_liquid_crystal_are_noted() {
+    let is_noted = |surface: &str, stack: &str| {
+        let display = format!(
+            "display={{ layers = [{surface}, {{ kind = \"medium\", index = 1.5 }}], \
+             pixel = {{ model = \"liquid-crystal\", substrate = \"Ag\", stack = [{stack}] }} }}"
+        );
+        let sets =
+            [&[display.as_str(), "metrics.reference_state=pixel", "viewer.field_deg=0"], &GRID[..]].concat();
+        let notes = run(&scenario("mip-lcd", &sets).unwrap().scene).unwrap().notes;
+        notes.iter().any(|note| note.contains("phase between s and p in a coating"))
+    };
+    let coating = "{ kind = \"coating\", film = [{ material = 1.38, thickness_nm = 100 }] }";
+    let turning = "{ kind = \"polariser\", axis_deg = 45 }, { kind = \"retarder\", axis_deg = 80, retardance_nm = 137.5 }";
+    assert!(is_noted(coating, turning));
+    assert!(!is_noted("{ kind = \"fresnel\" }", turning));
+    assert!(!is_noted(coating, "{ kind = \"film\", material = 1.7, thickness_nm = 90 }"));
+}
