@@ -220,6 +220,52 @@ fn folders_of_pictures_are_resumed() {
     assert!(stderr(&run(&[])).contains("contains no picture"), "{}", stderr(&run(&[])));
 }
 
+/// The numbers of a finished picture are not computed again, and a resumed command writes them as they are in the journal. Each
+/// of these is one whose digits, as a whole number divided by a power of ten, give a neighbour of it.
+#[test]
+fn numbers_of_finished_pictures_stay_as_they_are() {
+    const KEYS: [&str; 4] = ["scielab_mean", "hue_error_deg", "chroma_ratio", "local_contrast_ratio"];
+    const NUMBERS: [&str; 4] =
+        ["1.6094379124341003", "9.311283477587823", "0.9259259259259259", "3.4965075614664802"];
+    let folder = tempfile::tempdir().unwrap();
+    let photographs = folder.path().join("photographs");
+    fs::create_dir(&photographs).unwrap();
+    picture(&photographs, &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let out = folder.path().join("out");
+    let run = || {
+        let output =
+            image(&scenario("six-ink"), &[photographs.to_str().unwrap(), "--out", out.to_str().unwrap()]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        fs::read_to_string(out.join("pictures.json")).unwrap()
+    };
+    let mut journal = run();
+    for (key, number) in KEYS.into_iter().zip(NUMBERS) {
+        let start = journal.find(&format!("\"{key}\":")).unwrap() + key.len() + 3;
+        let start = start + journal[start..].find(|c: char| c != ' ').unwrap();
+        let end = start + journal[start..].find([',', '\n', '}']).unwrap();
+        journal.replace_range(start..end, number);
+    }
+    fs::write(out.join("pictures.json"), &journal).unwrap();
+    assert_eq!(run(), journal);
+}
+
+/// A number that was written as JSON is read back bit by bit: a linear congruential sequence (Knuth) of numbers of all sizes,
+/// and of numbers from 1 to 2.
+#[test]
+fn numbers_of_json_are_read_back_bit_by_bit() {
+    let mut bits = 1_u64;
+    for _ in 0..20_000 {
+        bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        for number in [f64::from_bits(bits), f64::from_bits(bits >> 12 | 1.0_f64.to_bits())] {
+            if number.is_finite() {
+                let text = serde_json::to_string(&number).unwrap();
+                let read: f64 = serde_json::from_str(&text).unwrap();
+                assert_eq!(read.to_bits(), number.to_bits(), "{text} is read as {read:?}");
+            }
+        }
+    }
+}
+
 /// A picture for a screen with a wide gamut states its space, and decodes to the same colours.
 #[test]
 fn both_spaces_of_screens_have_the_same_colours() {
