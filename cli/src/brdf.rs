@@ -11,6 +11,7 @@ use papilio_display::{
     BrdfGrid, BrdfTable, Control, DisplayError, HalfVectorGrid, HalfVectorTable, LobeWidths, ProbeGrid,
     RingGrid, RingTable, SavedRows, ViewerGrid, ViewerTable,
 };
+use papilio_figures::file_names;
 use papilio_formats::{
     BetweenError, BsdfSource, Exported, MirrorFile, between_error, klems_numbers, klems_rings, scene_script,
     write_bsdf, write_bsdf_csv, write_bsdf_klems, write_bsdf_radiant, write_file, write_json,
@@ -26,6 +27,8 @@ use crate::{Failure, folder, input, interrupt, output, print_notes, print_warnin
 const FILE: &str = "display-bsdf.npz";
 const SPLIT: &str = "reflection.csv";
 const MIRROR: &str = "display-mirror";
+/// Beginning of the names of the files of states.
+const START: &str = "display-";
 const SCENE: &str = "scene.py";
 
 /// Fractions of the progress that are the dependence on azimuth, the table, and the components of the reflection, about.
@@ -379,23 +382,14 @@ fn write_mirror(folder: &Path, beams: &BrdfTable) -> Result<String, Failure> {
     Ok(mirror)
 }
 
-/// Returns a different name of a file for each state.
+/// Returns the name of the file of each state. That of a state called `mirror` differs from that of the mirror reflection.
 fn state_files(table: &BrdfTable, end: &str) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for state in &table.states {
-        let plain = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' };
-        let stem: String = format!("display-{}", state.name).chars().map(plain).collect();
-        let stem = if stem == MIRROR { format!("{stem}-state") } else { stem };
-        let mut name = format!("{stem}.{end}");
-        let mut number = 2;
-        // File systems may ignore case.
-        while names.iter().any(|other| other.to_lowercase() == name.to_lowercase()) {
-            name = format!("{stem}-{number}.{end}");
-            number += 1;
-        }
-        names.push(name);
-    }
-    names
+    let mirror = MIRROR.trim_start_matches(START);
+    let own = |name: &str| {
+        if name.eq_ignore_ascii_case(mirror) { format!("{name}-state") } else { name.to_owned() }
+    };
+    let names: Vec<String> = table.states.iter().map(|state| own(&state.name)).collect();
+    file_names(names.iter().map(String::as_str), START, &format!(".{end}"))
 }
 
 fn table_warnings(

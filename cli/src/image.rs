@@ -10,6 +10,7 @@ use papilio_display::image::{
 use papilio_display::palette::{PaletteColour, bytes, warn_of_room};
 use papilio_display::scene::Scene;
 use papilio_display::{Control, DisplayError, LightSummary};
+use papilio_figures::file_names;
 use papilio_formats::panel::write_states_png;
 use papilio_formats::{ImageFile, TitledFile, device_colour, write_file, write_rgb_png, write_scene_exr};
 use papilio_imaging::ImagingError;
@@ -300,8 +301,9 @@ impl ImageOutput {
             written
         };
         png("seen.png".to_owned(), across, &self.here.on_screen)?;
-        for (name, room) in &self.rooms {
-            png(format!("seen-{name}.png"), across, &room.on_screen)?;
+        let files = file_names(self.rooms.iter().map(|(name, _)| name.as_str()), "seen-", ".png");
+        for ((_, room), file) in self.rooms.iter().zip(files) {
+            png(file, across, &room.on_screen)?;
         }
         if !self.rooms.is_empty() {
             let (columns, pixels) = self.side_by_side()?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use papilio_display::spatial::{MtfResult, MtfView, PatternKind};
+use papilio_figures::file_names;
 use papilio_formats::{write_file, write_kernel_npy, write_mtf_csv, write_spread_csv};
 use papilio_scenario::Resolved;
 use serde::Serialize;
@@ -39,8 +40,10 @@ impl SpatialOutput for MtfResult {
         let states = self.views.first().map(|view| &view.states);
         let all = states.into_iter().flat_map(|states| states.iter());
         // Below general layers, adding computes frequencies alone.
-        for (state, _) in all.filter(|(_, state)| state.kernel.cells > 0) {
-            let name = format!("kernel-{state}.npy");
+        let with_places: Vec<&str> =
+            all.filter(|(_, state)| state.kernel.cells > 0).map(|(state, _)| state).collect();
+        let files = file_names(with_places.iter().copied(), "kernel-", ".npy");
+        for (state, name) in with_places.into_iter().zip(files) {
             write_file(&folder.join(&name), |out| write_kernel_npy(out, self, state))?;
             names.push(name);
         }

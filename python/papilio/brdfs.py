@@ -134,6 +134,7 @@ class Brdf(Stored, ByName[NDArray[Any]]):
         beams = np.unique(np.linspace(0, self.theta_i_deg.size - 1, 4).astype(int))
         brdf = self.brdf if self.phi_i_deg is None else self.brdf[:, :, 0]
         figures = {}
+        files = _papilio.file_names(self.states, "brdf_", "")
         for s, state in enumerate(self.states if sides else ()):
             x: dict[str, Any] = {}
             y: dict[str, Any] = {}
@@ -146,7 +147,7 @@ class Brdf(Stored, ByName[NDArray[Any]]):
             title = f"{self.about['title']}: {state}, {self.wavelength_nm[nm]:g} nm"
             words: dict[str, Any] = {"x_label": "Viewing angle, mirror direction positive (deg)", "y_label": "BSDF (1/sr)", "title": title}
             drawn = plot.curves(x, y, logarithmic=all((one > 0).any() for one in y.values()), **words)
-            figures[f"brdf_{state}"] = Figure(f"brdf_{state}", drawn.svg)
+            figures[f"brdf_{state}"] = Figure(files[s], drawn.svg)
         return figures
 
     def to_xarray(self) -> xarray.Dataset:
@@ -308,11 +309,12 @@ class Reflection(Stored, ByName[NDArray[np.float64]]):
     def figures(self) -> dict[str, Figure]:
         """Returns the parts of each state over the inclination of the beam (of its first azimuth), by name; none for a single inclination."""
         figures = {}
+        files = _papilio.file_names(self.states, "reflection_", "")
         for s, state in enumerate(self.states if self.theta_deg.size > 1 else ()):
             own = (slice(None), s) if self.phi_deg is None else (slice(None), 0, s)
             curves = {name: self[name][own] for name in ("returned", "mirror", "haze", "lambertian")}
             drawn = plot.curves(self.theta_deg, curves, x_label="Inclination of the beam (deg)", y_label="Fraction of the beam", title=state)
-            figures[f"reflection_{state}"] = Figure(f"reflection_{state}", drawn.svg)
+            figures[f"reflection_{state}"] = Figure(files[s], drawn.svg)
         return figures
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -1,9 +1,9 @@
-//! Curves and maps of arrays.
+//! Curves and maps of arrays, and names of files for them.
 
 use papilio_figures::{Chart, ChartCurve, Hue, SweepAxis, SweepFigure, chart, sweep_map};
 use pyo3::prelude::*;
 
-exports! { functions curves, map; }
+exports! { functions curves, file_names, map; }
 
 /// A curve: its name, its style ("line", "dashed", "points"), x and y.
 type Curve = (String, String, Vec<f64>, Vec<f64>);
@@ -33,4 +33,10 @@ pub(crate) fn map(
     let axis = |(name, values): (String, Vec<String>)| SweepAxis { name, values };
     let values = values.into_iter().map(|value| (value, 0.0)).collect();
     sweep_map(&SweepFigure { metric, x: axis(x), y: Some(axis(y)), colours: None, values }, title)
+}
+
+/// Returns the name of a file for each name of a state: `start`, the name without characters of paths, and `end`.
+#[pyfunction]
+pub(crate) fn file_names(names: Vec<String>, start: &str, end: &str) -> Vec<String> {
+    papilio_figures::file_names(names.iter().map(String::as_str), start, end)
 }

@@ -77,9 +77,12 @@ impl Mtf {
             ("spread.csv".to_owned(), written(py, |out| write_spread_csv(out, &self.of))?),
         ];
         let states = self.of.views.first().into_iter().flat_map(|view| view.states.iter());
-        for (state, _) in states.filter(|(_, state)| state.kernel.cells > 0) {
+        let with_places: Vec<&str> =
+            states.filter(|(_, state)| state.kernel.cells > 0).map(|(state, _)| state).collect();
+        let files = papilio_figures::file_names(with_places.iter().copied(), "kernel-", ".npy");
+        for (state, file) in with_places.into_iter().zip(files) {
             let kernel = written(py, |out| write_kernel_npy(out, &self.of, state))?;
-            tables.push((format!("kernel-{state}.npy"), kernel));
+            tables.push((file, kernel));
         }
         Ok(tables)
     }

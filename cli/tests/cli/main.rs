@@ -45,6 +45,7 @@ mod reference;
 mod run;
 mod serve;
 mod sparkle;
+mod state_names;
 mod sweep;
 mod tolerance;
 mod warnings;

@@ -4,6 +4,7 @@ use papilio_display::spatial::{MtfResult, MtfState, MtfView};
 
 use crate::axis::Axis;
 use crate::colour_map::viridis;
+use crate::file_names;
 use crate::labels::{EndLabel, end_labels};
 use crate::panel::{Panel, SMALL};
 use crate::style::{INK, SOFT, degrees, joined, state_stroke};
@@ -32,12 +33,14 @@ pub fn of_mtf(result: &MtfResult, title: &str) -> Vec<(String, String)> {
         };
         let caption = caption(title, view);
         all.push((format!("mtf{at}"), transfer(result, view, &caption)));
-        let mut with_places = view.states.iter().filter(|(_, state)| state.kernel.cells > 0).peekable();
-        if with_places.peek().is_some() {
+        let with_places: Vec<(&str, &MtfState)> =
+            view.states.iter().filter(|(_, state)| state.kernel.cells > 0).collect();
+        if !with_places.is_empty() {
             all.push((format!("edges{at}"), edges(result, view, &caption)));
         }
-        for (name, state) in with_places {
-            all.push((format!("kernel-{name}{at}"), kernel(result, name, state, &caption)));
+        let files = file_names(with_places.iter().map(|(name, _)| *name), "kernel-", &at);
+        for ((name, state), file) in with_places.into_iter().zip(files) {
+            all.push((file, kernel(result, name, state, &caption)));
         }
     }
     all

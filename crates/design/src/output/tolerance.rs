@@ -4,7 +4,7 @@ use std::io;
 
 use crate::tolerance::{Estimate, MetricReport, PERCENTILES, Production, Report};
 use papilio_display::{Label, uncapitalised};
-use papilio_figures::{Ends, SensitivityBar, histogram, pass_fail_scatter, sensitivities};
+use papilio_figures::{Ends, SensitivityBar, file_names, histogram, pass_fail_scatter, sensitivities};
 use papilio_formats::{sweep_value, words, write_json, write_table};
 use papilio_scenario::{ScatteredKey, Tolerance, label, variable_label};
 
@@ -106,12 +106,15 @@ pub fn tolerance_figures(
     report: &Report,
 ) -> Vec<(String, String)> {
     let mut drawn = Vec::new();
-    for (column, metric) in tolerance.metrics.iter().enumerate() {
+    // Names of metrics state the view after a comma.
+    let names: Vec<String> = tolerance.metrics.iter().map(|metric| metric.name.replace(", ", "_")).collect();
+    let files = file_names(names.iter().map(String::as_str), "tolerance_", "");
+    for (column, (metric, file)) in tolerance.metrics.iter().zip(files).enumerate() {
         let values: Vec<f64> = rows.iter().map(|row| row[column]).collect();
         let limit = tolerance.limits.iter().find(|limit| limit.metric == column);
         let ends = limit.map_or(Ends::default(), |limit| ends(limit.at_least, limit.at_most));
         let svg = histogram(&label(&metric.name).to_string(), &values, ends, title);
-        drawn.extend(svg.map(|svg| (format!("tolerance_{}", file_name(&metric.name)), svg)));
+        drawn.extend(svg.map(|svg| (file, svg)));
     }
     let metrics: Vec<String> = report.metrics.iter().map(|metric| label(&metric.name).to_string()).collect();
     let quantity = |name: &String| variable_label(name).quantity;
@@ -153,11 +156,6 @@ fn axis(key: &ScatteredKey) -> String {
         _ => variable_label(&key.name).quantity,
     };
     Label::new(quantity, own.unit).to_string()
-}
-
-/// File name of a metric.
-fn file_name(name: &str) -> String {
-    name.replace(", ", "_").replace(' ', "-").replace(['/', '\\'], "-")
 }
 
 /// Indices of the two numeric keys with the largest total indices for the metric whose limit fails most

@@ -5,6 +5,7 @@ use papilio_formats::{SweepHead, SweepPoint};
 
 use super::axes::{LabelledAxis, Labels, common_views, of_axis, of_views};
 use super::{SweepFigure, sweep_curves, sweep_map};
+use crate::file_names;
 
 /// Largest number of curves in a figure; more cannot be distinguished.
 const MAX_CURVES: usize = 8;
@@ -17,15 +18,16 @@ const MIN_ROWS: usize = 3;
 /// axis. `labels` returns the label of a key or a metric.
 pub fn of_sweep(head: &SweepHead, points: &[&SweepPoint], labels: Labels<'_>) -> Vec<(String, String)> {
     let mut drawn = Vec::new();
-    for metric in &head.figures {
+    let files = file_names(head.figures.iter().map(String::as_str), "sweep_", "");
+    for (metric, file) in head.figures.iter().zip(files) {
         let Some((figure, title)) = figure(head, points, metric, labels) else { continue };
         let (curves, columns) = (figure.y.as_ref().map_or(1, |y| y.values.len()), figure.x.values.len());
         let few = curves <= MAX_CURVES;
         if few {
-            drawn.push((format!("sweep_{metric}"), sweep_curves(&figure, &title)));
+            drawn.push((file.clone(), sweep_curves(&figure, &title)));
         }
         if !few || (curves >= MIN_ROWS && columns >= MIN_ROWS) {
-            drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("sweep_{metric}_map"), svg)));
+            drawn.extend(sweep_map(&figure, &title).map(|svg| (format!("{file}_map"), svg)));
         }
     }
     drawn
