@@ -1,8 +1,9 @@
 //! Folder for results if `--out` is not given.
 //!
 //! The folder is `out/NAME`, unless it contains a result with another hash (other keys, or the file before an
-//! edit). Then it is `out/NAME-` followed by the first digits of the new hash, so that a result only replaces
-//! itself. Commands with a journal always use `out/NAME`; the journal identifies its scenario.
+//! edit), or another program is writing it. Then it is `out/NAME-` followed by the first digits of the new hash, so that a
+//! result only replaces itself, when it is finished. Commands with a journal always use `out/NAME`; the journal identifies its
+//! scenario.
 
 use std::cell::LazyCell;
 use std::fs;
@@ -13,6 +14,7 @@ use papilio_scenario::Resolved;
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::ScenarioArguments;
+use crate::claim::Claim;
 use crate::{Failure, RESULTS, output, print_message};
 
 /// File that `pixel`, `brdf` and `study` write next to their tables, which do not contain the hash of the
@@ -53,12 +55,30 @@ enum Content {
     Unknown,
 }
 
+impl Content {
+    /// Why a folder with this content is not used for another result.
+    fn reason(&self, kind: Kind) -> Option<String> {
+        let hash = match self {
+            Self::Free => return None,
+            Self::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
+            Self::Unknown => String::new(),
+        };
+        let result = match kind {
+            Kind::Result => "the result of another scenario or of other keys",
+            Kind::Fit => "the fit of another scenario, of other keys, or to other data",
+        };
+        Some(format!("contains {result}{hash}, which is not replaced"))
+    }
+}
+
 /// A folder for a result.
 #[derive(Debug)]
 pub(crate) struct ResultFolder {
     path: PathBuf,
     /// Why it is not the folder of the scenario's name.
     note: Option<String>,
+    /// Keeps other programs from it, unless it was stated with `--out`.
+    _claim: Option<Claim>,
 }
 
 impl std::ops::Deref for ResultFolder {
@@ -70,6 +90,12 @@ impl std::ops::Deref for ResultFolder {
 }
 
 impl ResultFolder {
+    /// The folder of `--out`, after checking that it can be written.
+    pub(crate) fn stated(folder: &Path) -> Result<Self, Failure> {
+        output::check(folder)?;
+        Ok(Self { path: folder.to_owned(), note: None, _claim: None })
+    }
+
     /// Prints the names of the written files on standard error, and why they are in this folder.
     pub(crate) fn print_written(&self, names: &[String]) {
         self.note.iter().for_each(|note| print_message(note));
@@ -122,32 +148,60 @@ pub(crate) fn choose_for_fit(arguments: &ScenarioArguments, hash: &str) -> Resul
 
 fn choose_for(kind: Kind, arguments: &ScenarioArguments, hash: &Hashes<'_>) -> Result<ResultFolder, Failure> {
     if let Some(folder) = &arguments.out {
-        output::check(folder)?;
-        return Ok(ResultFolder { path: folder.clone(), note: None });
+        return ResultFolder::stated(folder);
     }
     let own = arguments.default_out();
-    let content = content(kind, &own, hash);
-    let folder = match &content {
-        Content::Free => own.clone(),
-        Content::Other(_) | Content::Unknown => hash_folder(kind, &own, hash),
-    };
-    output::check(&folder)?;
-    let hash_of_other = match content {
-        Content::Free => return Ok(ResultFolder { path: folder, note: None }),
-        Content::Other(other) => format!(" (hash {})", other.chars().take(DIGITS).collect::<String>()),
-        Content::Unknown => String::new(),
-    };
-    let note = format!(
-        "note: {} contains {}{hash_of_other}, which is not replaced; this result is written to {}\n  = help: with --out DIR, the files in \
-         DIR are replaced",
-        own.display(),
-        match kind {
-            Kind::Result => "the result of another scenario or of other keys",
-            Kind::Fit => "the fit of another scenario, of other keys, or to other data",
-        },
-        folder.display()
-    );
-    Ok(ResultFolder { path: folder, note: Some(note) })
+    let mut reason = None;
+    for path in paths(&own, hash.own) {
+        match claim(kind, &path, hash)? {
+            Ok(claim) => {
+                let note = reason.map(|reason: String| note(&own, &reason, &path));
+                return Ok(ResultFolder { path, note, _claim: Some(claim) });
+            }
+            // That of the first folder is printed.
+            Err(why_not) => _ = reason.get_or_insert(why_not),
+        }
+    }
+    Err(Failure::Input(format!(
+        "{} and all folders with digits of the hash behind this name are used for other results\n  = help: choose another folder with \
+         --out DIR",
+        own.display()
+    )))
+}
+
+/// Claims a folder for a result with this hash, or returns why it cannot be used.
+fn claim(kind: Kind, folder: &Path, hash: &Hashes<'_>) -> Result<Result<Claim, String>, Failure> {
+    if let Some(reason) = content(kind, folder, hash).reason(kind) {
+        return Ok(Err(reason));
+    }
+    let Some(claim) = Claim::of(folder)? else { return Ok(Err(BEING_WRITTEN.to_owned())) };
+    // Another program may have finished a result before the folder was claimed.
+    Ok(content(kind, folder, hash).reason(kind).map_or(Ok(claim), Err))
+}
+
+/// Claims the first free one of the folders `NAME`, `NAME-2` and so on, for a result that replaces earlier ones.
+pub(crate) fn choose_numbered(own: &Path) -> Result<ResultFolder, Failure> {
+    let mut path = own.to_owned();
+    let mut number = 1;
+    loop {
+        if let Some(claim) = Claim::of(&path)? {
+            let note = (number > 1).then(|| note(own, BEING_WRITTEN, &path));
+            return Ok(ResultFolder { path, note, _claim: Some(claim) });
+        }
+        number += 1;
+        path = suffixed(own, &number.to_string());
+    }
+}
+
+/// Why a claimed folder is not used.
+const BEING_WRITTEN: &str = "is being written by another program";
+
+/// A note on why a result is not in the folder of its name.
+fn note(own: &Path, reason: &str, path: &Path) -> String {
+    let (own, path) = (own.display(), path.display());
+    format!(
+        "note: {own} {reason}; this result is written to {path}\n  = help: with --out DIR, the files in DIR are replaced"
+    )
 }
 
 /// Creates a folder for the files of a scenario that `about.json` identifies. Those of another scenario,
@@ -190,16 +244,17 @@ pub(crate) fn write_about(
     Ok(write_file(&folder.join(ABOUT), |out| write_json(out, &about))?)
 }
 
-/// A folder named by the hash, with as many digits as are needed to avoid the folders of other results.
-fn hash_folder(kind: Kind, own: &Path, hash: &Hashes<'_>) -> PathBuf {
-    let digits_of = hash.own;
-    let named = |digits: usize| {
-        let mut name = own.file_name().unwrap_or_default().to_owned();
-        name.push(format!("-{}", digits_of.get(..digits).unwrap_or(digits_of)));
-        own.with_file_name(name)
-    };
-    let is_free = |folder: &PathBuf| content(kind, folder, hash) == Content::Free;
-    (DIGITS..digits_of.len()).map(named).find(is_free).unwrap_or_else(|| named(digits_of.len()))
+/// Folders for a result: with its name alone, and with digits of its hash, as few as are needed to avoid those of other results.
+fn paths<'a>(own: &'a Path, hash: &'a str) -> impl Iterator<Item = PathBuf> + 'a {
+    let of_hash = (DIGITS..=hash.len()).filter_map(|digits| hash.get(..digits));
+    std::iter::once(own.to_owned()).chain(of_hash.map(|digits| suffixed(own, digits)))
+}
+
+/// A path with a hyphen and an addition at its end.
+fn suffixed(path: &Path, end: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!("-{end}"));
+    path.with_file_name(name)
 }
 
 /// Returns whether a folder contains a result with another hash.
@@ -245,12 +300,19 @@ mod tests {
         let same = ours.clone();
         let both = Hashes { own: &other, of_others: LazyCell::new(Box::new(|| Some(same))) };
         assert_eq!(content(Kind::Result, &own, &both), Content::Free);
-        assert_eq!(hash_folder(Kind::Result, &own, &of_other), base.path().join("s-bbbbbb"));
+        let is_free = |path: &PathBuf| claim(Kind::Result, path, &of_other).is_ok_and(|claim| claim.is_ok());
+        let chosen = || paths(&own, &other).find(is_free);
+        assert_eq!(chosen(), Some(base.path().join("s-bbbbbb")));
         // Another hash with the same first digits.
         let close = format!("bbbbbb{}", "c".repeat(58));
         fs::create_dir(base.path().join("s-bbbbbb")).unwrap();
         write_about(&base.path().join("s-bbbbbb"), ["t", &close], [&[], &[]]).unwrap();
-        assert_eq!(hash_folder(Kind::Result, &own, &of_other), base.path().join("s-bbbbbbb"));
+        assert_eq!(chosen(), Some(base.path().join("s-bbbbbbb")));
+        // Another program writes that one, too. It has no result at the end, and the folder is removed.
+        let claim = Claim::of(&base.path().join("s-bbbbbbb")).unwrap();
+        assert_eq!(chosen(), Some(base.path().join("s-bbbbbbbb")));
+        drop(claim);
+        assert!(!base.path().join("s-bbbbbbb").exists());
         // Files of a scenario that another one replaces; those of other programs stay.
         for name in ["pixel.csv", "display-white.bsdf", "step-normalise.svg", "notes.csv"] {
             fs::write(own.join(name), "").unwrap();

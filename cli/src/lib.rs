@@ -16,6 +16,7 @@
 mod arguments;
 mod brdf;
 mod catalogue;
+mod claim;
 mod compare;
 mod completions;
 mod costs;

@@ -17,6 +17,7 @@ use papilio_scenario::{
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::{ImageCommand, SpatialCommand};
+use crate::claim::Claim;
 use crate::numbers::measured;
 use crate::{Failure, image, interrupt, output, print_message, report, terminal};
 
@@ -126,7 +127,16 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
     skipped.iter().for_each(|note| print_message(note));
     let scenario = &arguments.command.scenario;
     let out = scenario.out.clone().unwrap_or_else(|| scenario.default_out());
-    output::check(&out)?;
+    // The numbers of all pictures are in one file: a second program would replace those of the first.
+    let _claim = match &scenario.out {
+        Some(folder) => output::check(folder).map(|()| None)?,
+        None => Some(Claim::of(&out)?.ok_or_else(|| {
+            Failure::Input(format!(
+                "{} is being written by another program\n  = help: wait until it ends, or choose another folder with --out DIR",
+                out.display()
+            ))
+        })?),
+    };
     let before: Vec<Finished> = fs::read(out.join(ALL))
         .ok()
         .and_then(|bytes| serde_json::from_slice(&bytes).ok())

@@ -21,16 +21,16 @@ use papilio_scenario::nearest;
 use serde::Serialize;
 
 use crate::arguments::Compare;
+use crate::folder::{self, ResultFolder};
 use crate::numbers::digits;
 use crate::{Failure, interrupt, numbers, output, print_message, print_notes, print_warnings, report};
 
 pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
-    let out = match (&arguments.out, arguments.json) {
-        (Some(folder), _) => Some(folder.clone()),
+    let folder = match (&arguments.out, arguments.json) {
+        (Some(folder), _) => Some(ResultFolder::stated(folder)?),
         (None, true) => None,
-        (None, false) => Some(PathBuf::from("out").join("compare")),
+        (None, false) => Some(folder::choose_numbered(&Path::new("out").join("compare"))?),
     };
-    out.as_deref().map_or(Ok(()), output::check)?;
     let (measured, of_files) = measurement(&arguments.measured)?;
     let (result, mut read, mut notes) = simulated::read(arguments, &measured)?;
     let suggestion = suggestion(&read.simulated, &measured.states);
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
     let in_percent = all.looks_like_percent().then(|| IN_PERCENT.to_owned());
     read.warnings.extend(in_percent.clone());
     let file = ComparisonFile { warnings: &read.warnings, notes: &notes, all: &all };
-    let written = out
+    let written = folder
         .as_deref()
         .map(|folder| interrupt::uninterrupted(|| write(folder, &file, &title, arguments.png)))
         .transpose()?;
@@ -60,8 +60,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
         stdout.write_all(report_text(&heading, &all).as_bytes())?;
     }
     stdout.flush()?;
-    if let (Some(folder), Some(names)) = (out, written) {
-        output::print_written(&folder, &names);
+    if let (Some(folder), Some(names)) = (folder, written) {
+        folder.print_written(&names);
     }
     print_notes(&of_files);
     print_notes(&all.left_out);

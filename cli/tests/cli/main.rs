@@ -43,6 +43,7 @@ mod pixel;
 mod progress;
 mod reference;
 mod run;
+mod same_time;
 mod serve;
 mod sparkle;
 mod state_names;
