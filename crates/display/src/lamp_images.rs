@@ -4,7 +4,7 @@
 //! other light, which changes slowly with the direction, in few directions.
 
 use papilio_spectra::sum_of_products;
-use papilio_transport::{Cone, ReflectanceFactor, Source, disc_image, specular_image};
+use papilio_transport::{Cone, ReflectanceFactor, Source, disc_image, specular_image_of};
 
 use crate::meter::Meter;
 use crate::setup::Setup;
@@ -22,7 +22,8 @@ pub(crate) struct LampXyz {
 /// Images of the lamps in the first view: those of which the view sees something.
 pub(crate) fn in_view(setup: &Setup) -> Vec<LampXyz> {
     let Some(view) = setup.views.first() else { return Vec::new() };
-    let images = discs(setup).map(|(light, disc)| (light, disc_image(&setup.stack, &view.field, disc)));
+    let images =
+        discs(setup).map(|(light, disc)| (light, disc_image(&setup.stack, &view.field, (1 + light, disc))));
     let seen =
         |image: &ReflectanceFactor| image.front.iter().chain(&image.via_pixel).any(|part| *part != 0.0);
     images.filter(|(_, image)| seen(image)).map(|(light, image)| xyz(setup, light, &image)).collect()
@@ -32,7 +33,7 @@ pub(crate) fn in_view(setup: &Setup) -> Vec<LampXyz> {
 /// are 0.
 pub(crate) fn whole(setup: &Setup) -> Vec<LampXyz> {
     let of_disc = |(light, disc): (usize, &Cone)| {
-        let mut image = specular_image(&setup.stack, -disc.axis_towards());
+        let mut image = specular_image_of(&setup.stack, 1 + light, &setup.sources[1 + light]);
         // Reflectance factor of a perfect mirror: its luminance over that of a perfect white.
         let factor = std::f64::consts::PI / disc.projected_solid_angle();
         image.front.iter_mut().chain(&mut image.via_pixel).for_each(|part| *part *= factor);

@@ -270,7 +270,7 @@ pub(crate) fn view(
         }
     };
     let lights = sources.iter().zip(&asked.vibrations).map(of).collect();
-    Ok(Some(PolarisedView { seen, followed: Followed::Lights(lights, top) }))
+    Ok(Some(PolarisedView { seen, followed: Followed::Lights(lights, top.map(Box::new)) }))
 }
 
 /// Returns notes on what is polarised.

@@ -173,7 +173,7 @@ pub enum Followed {
     /// The rays that are seen in flat layers above a mirror.
     Rays,
     /// The polarised sources, by their number: to the end, or through the flat layers above the first scatterer.
-    Lights(Vec<Option<PolarisedLight>>, Option<Top>),
+    Lights(Vec<Option<PolarisedLight>>, Option<Box<Top>>),
 }
 
 impl PolarisedView {
@@ -196,7 +196,7 @@ impl PolarisedView {
 
     fn top(&self) -> Option<&Top> {
         match &self.followed {
-            Followed::Lights(_, top) => top.as_ref(),
+            Followed::Lights(_, top) => top.as_deref(),
             Followed::Whole | Followed::Rays => None,
         }
     }

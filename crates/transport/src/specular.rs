@@ -102,14 +102,24 @@ pub(crate) fn image_in(
     }
 }
 
-/// Returns the mirror image of a round source in a field of view, as a reflectance factor: [`specular_image`]
-/// times the light of the source in the view. 0 where the view does not look into the image.
-pub fn disc_image(stack: &Stack, view: &Cone, disc: &Cone) -> ReflectanceFactor {
+/// Returns the mirror image of a round source, with its number among those of kernels, in a field of view, as a reflectance factor:
+/// [`specular_image`] times the light of the source in the view. 0 where the view does not look into the image.
+pub fn disc_image(stack: &Stack, view: &Cone, (number, disc): (usize, &Cone)) -> ReflectanceFactor {
     let (bins, states) = (stack.base().bins(), stack.base().states());
+    let source = Source::Disc(*disc);
+    let of = (number, source.direction());
+    let rays = stack.polarised_view().and_then(|view| view.rays());
     let mut sum = ReflectanceFactor::zeros(states, bins);
-    for image in image_points(view, &[Source::Disc(*disc)], DIGITS, Mirror::Across(across(stack, view))) {
+    for image in image_points(view, &[source], DIGITS, Mirror::Across(across(stack, view))) {
         for point in &image.points {
-            sum.add(&specular_image(stack, point.beta), point.weight);
+            match (stack.in_runs().polarised(), rays) {
+                (Some(both), Some(seen)) => {
+                    for (own, weight) in both.iter().zip(seen.weights(Some(view), of, point.beta)) {
+                        sum.add(&specular_image(own, point.beta), weight * point.weight);
+                    }
+                }
+                _ => sum.add(&specular_image(stack, point.beta), point.weight),
+            }
         }
     }
     sum

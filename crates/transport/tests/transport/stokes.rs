@@ -12,7 +12,7 @@ use papilio_sampling::{SampleStream, Sampler};
 use papilio_transport::walk::{Plain, Walk};
 use papilio_transport::{
     Cone, Estimate, Followed, Interface, Medium, PolarisedView, Scattering, Source, Stack, Vibration,
-    WholeView, specular_image_of,
+    WholeView, disc_image, specular_image_of,
 };
 
 use crate::common::{REPLICATES, lambertian, mean_and_error, mirror, one, rho, view};
@@ -111,7 +111,8 @@ fn flat_layers_keep_s_and_p() {
         let layers = [1.5, 1.0, 1.5].map(|index| (interface.clone(), clear(index)));
         stack(layers, mirror(0.6))
     };
-    let sources = [Source::Diffuse, Source::Disc(Cone::new(65.0, 180.0, 10.0, 1.0))];
+    let disc = Cone::new(65.0, 180.0, 10.0, 1.0);
+    let sources = [Source::Diffuse, Source::Disc(disc)];
     let vibrations = vec![None, Some(fixed(0.7, 0.0))];
     for polariser_deg in [0.0_f64, 30.0, 90.0] {
         let polariser = polariser_deg.to_radians();
@@ -121,6 +122,9 @@ fn flat_layers_keep_s_and_p() {
         let seen_by = WholeView { polariser: Some(polariser), vibrations: vibrations.clone() };
         exact.set_polarised_view(Some(PolarisedView { seen: seen_by, followed: Followed::Rays }));
         let truth = estimate(1, &exact, view(65.0), &sources);
+        // The image of the lamp that pictures draw.
+        let image = disc_image(&exact, &view(65.0), (1, &disc)).total()[0];
+        assert_close("image", image, rho(&truth, 1), 1e-6 * image);
         let found = seen(
             &interfaces(Interface::Fresnel),
             view(65.0),
