@@ -268,7 +268,7 @@ fn rows_and_notes_state_what_the_user_must_know() {
         stderr(&output)
     );
     assert!(!stderr(&output).contains("about a hundred times"), "{}", stderr(&output));
-    // In per cent, which the name of the column denies, and with deviations that are far too small.
+    // In per cent, and with deviations that are far too small.
     let lines = DATA.lines().skip(1).map(|line| line.split_once(',').unwrap());
     let percent: String = lines
         .map(|(nm, value)| format!("film,{nm},{},0.1\n", 100.0 * value.parse::<f64>().unwrap()))
@@ -281,9 +281,10 @@ fn rows_and_notes_state_what_the_user_must_know() {
     fs::write(&file, text).unwrap();
     let output = papilio(&["fit", &file, &data, "--out", &out]);
     assert!(output.status.success(), "{}", stderr(&output));
-    for words in ["the measured Y is about a hundred times", "does not describe the data within the stated"] {
+    for words in ["and are read as per cent", "does not describe the data within the stated"] {
         assert!(stderr(&output).contains(words), "{words}: {}", stderr(&output));
     }
+    assert!(!stderr(&output).contains("about a hundred times"), "{}", stderr(&output));
     let row = stdout(&output).lines().find(|line| line.contains("film layer 0")).unwrap().to_owned();
     assert!(row.to_lowercase().contains("substrate"), "{row}");
 }
