@@ -32,6 +32,7 @@ __all__ = [
     "curves",
     "delta_e_2000",
     "edit",
+    "file_names",
     "film",
     "film_absorptance",
     "film_amplitudes",
