@@ -227,8 +227,8 @@ impl WholeView {
     /// Returns the weights of the reflectances for s and for p in what a view sees of the light of a source with these direction cosines: `[0.5, 0.5]` where
     /// nothing is polarised.
     ///
-    /// Near the normal s and p are not fixed to the view. Light between the two counts as reflected like their mean, which differs from the product of both
-    /// amplitudes by their phase and by the fourth power of the angle.
+    /// Near the normal the directions of s and p change from ray to ray. The product of both amplitudes counts as the mean of both reflectances, which is exact
+    /// along the normal and off by the phase between s and p elsewhere.
     pub(crate) fn weights(
         &self,
         view: Option<&Cone>,

@@ -3,8 +3,8 @@
 //! # Method
 //! Where all layers are flat and the pixel is a mirror, s and p are followed apart to the end
 //! ([`Stack::with_polarisations`](crate::Stack::with_polarisations)). Each ray that is seen has weights of s and of p
-//! ([`WholeView::weights`]), from the vibration of its light and the direction that the polariser passes, which are fixed
-//! to the lamp, the sky and the view: along the normal, s and p are not.
+//! ([`WholeView::weights`]), from the vibration of its light and the direction that the polariser passes. Those are fixed
+//! to the lamp, the sky and the view, whereas near the normal the directions of s and p change from ray to ray.
 //!
 //! Where in addition diffusers keep s and p, each has sources of its own, the share of s or p of every direction, and a
 //! weight in what is seen.
@@ -25,13 +25,13 @@ use papilio_spectra::Spectrum;
 
 use crate::front::Flat;
 use crate::layers::{FlatRun, Incidence};
-use crate::light::cone_points::{Point, cone_points, smooth_at};
+use crate::light::cone_points::{Nodes, Point, cone_points_of, smooth_at};
 use crate::light::images::{Mirror, image_points};
 use crate::mueller::WholeView;
 use crate::{Cone, Field, Medium, ReflectanceFactor, Source, Vibration};
 
-/// Accuracy of mirror images, and the scale over which a top changes.
-const DIGITS: f64 = 12.0;
+/// Accuracy of mirror images in a top, and the angle over which interfaces and pixels change, radians.
+const FINE: (f64, Nodes) = (12.0, Nodes { rings: 0, across: 0.0 });
 const SMOOTH: f64 = 0.3;
 
 /// Number of steps of cos(theta) at which the top is tabulated for light from many directions.
@@ -201,32 +201,6 @@ impl PolarisedView {
         }
     }
 
-    /// Returns the mean over a view of the weights of s and of p in what is seen of the light of a source in flat layers above a mirror
-    /// ([`WholeView::weights`]); without a view, of light along the centre of the source.
-    pub(crate) fn weights_of_rays(
-        seen: &WholeView,
-        view: Option<&Cone>,
-        (number, source): (usize, &Source),
-    ) -> [f64; 2] {
-        let of = (number, source.direction());
-        let points = match view {
-            Some(view) => seen_in(view, source),
-            None => Vec::new(),
-        };
-        let light: f64 = points.iter().map(|point| point.weight).sum();
-        if light <= 0.0 {
-            // Nothing but a single ray is seen, if anything is.
-            let beta = source.direction().or_else(|| view.map(Cone::axis_towards)).unwrap_or_default();
-            return seen.weights(view, of, beta);
-        }
-        let mut mean = [0.0; 2];
-        for Point { beta, weight } in points {
-            let own = seen.weights(view, of, beta);
-            mean.iter_mut().zip(own).for_each(|(sum, own)| *sum += own * weight / light);
-        }
-        mean
-    }
-
     /// The polarised light of a source.
     fn of(&self, number: usize, source: &Source) -> Option<&PolarisedLight> {
         self.lights().get(number)?.as_ref().filter(|light| light.whole == *source)
@@ -283,14 +257,14 @@ impl PolarisedView {
             let mut front = vec![0.0; bins];
             if let Some(top) = self.top() {
                 let lit = (number, source.direction());
-                for Point { beta, weight } in seen_in(view, source) {
+                for Point { beta, weight } in seen_in(view, source, FINE) {
                     let [s, p] = self.seen.weights(Some(view), lit, beta);
                     for (bin, front) in front.iter_mut().enumerate() {
                         let [of_s, of_p] = top.of_each(beta.squared(), bin);
                         *front += weight * (s * of_s.above + p * of_p.above);
                     }
                 }
-                for Point { beta, weight } in seen_in(view, below) {
+                for Point { beta, weight } in seen_in(view, below, FINE) {
                     for (bin, front) in front.iter_mut().enumerate() {
                         *front -= weight * factor[bin] * Flat::mean(top.of_each(beta.squared(), bin)).above;
                     }
@@ -339,12 +313,13 @@ impl PolarisedView {
     }
 }
 
-/// Returns the points of the mirror image of a source in a view.
-fn seen_in(view: &Cone, source: &Source) -> Vec<Point> {
+/// Returns the points of the mirror image of a source in a view: for these digits, and a mirror with this many nodes across the view.
+pub(crate) fn seen_in(view: &Cone, source: &Source, (digits, nodes): (f64, Nodes)) -> Vec<Point> {
     match source {
-        Source::Diffuse => cone_points(view, smooth_at(view, SMOOTH), DIGITS),
+        Source::Diffuse => cone_points_of(view, smooth_at(view, SMOOTH), digits, nodes),
         Source::Beam(_) | Source::Disc(_) | Source::Field(_) => {
-            let images = image_points(view, std::slice::from_ref(source), DIGITS, Mirror::Across(0.0));
+            let images =
+                image_points(view, std::slice::from_ref(source), digits, Mirror::Across(nodes.across));
             images.into_iter().flat_map(|image| image.points).collect()
         }
     }

@@ -32,13 +32,9 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
     let whole = stack.in_runs();
     if let Some([s, p]) = whole.polarised() {
         let usual = whole.weights_of_polarisations();
-        let weights = match stack.polarised_view() {
-            Some(view) => match view.rays() {
-                Some(seen) => seen.weights(None, (number, Some(beta)), beta),
-                None => view.weights(number, source, usual),
-            },
-            None => usual,
-        };
+        let of_source = || stack.polarised_view().map(|view| view.weights(number, source, usual));
+        let of_ray = stack.weights_of_ray(None, (number, source), beta);
+        let weights = of_ray.or_else(of_source).unwrap_or(usual);
         return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
     }
     if let Some(orders) = whole.panel().and_then(|panel| Orders::of(panel, beta)) {
@@ -107,19 +103,20 @@ pub(crate) fn image_in(
 pub fn disc_image(stack: &Stack, view: &Cone, (number, disc): (usize, &Cone)) -> ReflectanceFactor {
     let (bins, states) = (stack.base().bins(), stack.base().states());
     let source = Source::Disc(*disc);
-    let of = (number, source.direction());
-    let rays = stack.polarised_view().and_then(|view| view.rays());
     let mut sum = ReflectanceFactor::zeros(states, bins);
-    for image in image_points(view, &[source], DIGITS, Mirror::Across(across(stack, view))) {
+    for image in
+        image_points(view, std::slice::from_ref(&source), DIGITS, Mirror::Across(across(stack, view)))
+    {
         for point in &image.points {
-            match (stack.in_runs().polarised(), rays) {
-                (Some(both), Some(seen)) => {
-                    for (own, weight) in both.iter().zip(seen.weights(Some(view), of, point.beta)) {
-                        sum.add(&specular_image(own, point.beta), weight * point.weight);
-                    }
+            let weights = stack.weights_of_ray(Some(view), (number, &source), point.beta);
+            let image = match (stack.in_runs().polarised(), weights) {
+                (Some([s, p]), Some(weights)) => {
+                    let [s, p] = [s, p].map(|own| specular_image(own, point.beta));
+                    s.mixed_with(&p, weights)
                 }
-                _ => sum.add(&specular_image(stack, point.beta), point.weight),
-            }
+                _ => specular_image(stack, point.beta),
+            };
+            sum.add(&image, point.weight);
         }
     }
     sum

@@ -331,13 +331,16 @@ impl Stack {
         }
     }
 
-    /// Weights of s and of p in what a view sees of each source in flat layers above a mirror, as their means over the view; without a view, in the
-    /// mirror image of its centre.
-    pub fn weights_in(&self, view: Option<&Cone>, sources: &[Source]) -> Vec<[f64; 2]> {
-        let Some(seen) = self.polarised_view().and_then(|view| view.rays()) else {
-            return self.weights_by_source(sources);
-        };
-        sources.iter().enumerate().map(|of| PolarisedView::weights_of_rays(seen, view, of)).collect()
+    /// Weights of s and of p in what a view sees of a ray with these direction cosines, from the source of this number; without a view, through
+    /// a polariser in the frame of the ray itself. `None` except in flat layers above a mirror where anything is polarised.
+    pub fn weights_of_ray(
+        &self,
+        view: Option<&Cone>,
+        (number, source): (usize, &Source),
+        beta: Beta,
+    ) -> Option<[f64; 2]> {
+        let seen = self.polarised_view()?.rays()?;
+        Some(seen.weights(view, (number, source.direction()), beta))
     }
 
     /// Weights of s and of p in what is seen of each source, of the reflectance factors of both: 1 where they belong to each ray.

@@ -378,17 +378,25 @@ impl<'a> Filtered<'a> {
         (source, view): (usize, Option<&Cone>),
         spread: impl Fn(&Panel, &Source) -> Result<PanelSpread, DisplayError>,
     ) -> Result<Shown, DisplayError> {
+        let (stack, all) = (&self.setup.stack, &self.setup.sources);
         let weights = match self.mirrors.len() {
             1 => [1.0; 2],
-            _ => self.setup.stack.weights_in(view, &self.setup.sources)[source],
+            _ => stack.weights_by_source(all)[source],
         };
-        let of_panel = |(Mirrors { panel, sources }, weight): (&Mirrors, f64)| {
-            let spread = spread(panel, &sources[source])?;
+        let of_panel = |(number, (Mirrors { panel, sources }, weight)): (usize, (&Mirrors, f64))| {
+            let of_ray = |beta| stack.weights_of_ray(view, (source, &all[source]), beta);
+            let weight_of_ray = |beta| of_ray(beta).map_or(1.0, |weights| weights[number]);
+            let spread = spread(panel, &sources[source])?.times(weight_of_ray);
             let shown = period.planes.mirrored(panel, &spread, asked, period.level as u32);
             Ok((shown.map_err(not_computed)?, weight))
         };
-        let parts =
-            self.mirrors.iter().zip(weights).map(of_panel).collect::<Result<Vec<_>, DisplayError>>()?;
+        let parts = self
+            .mirrors
+            .iter()
+            .zip(weights)
+            .enumerate()
+            .map(of_panel)
+            .collect::<Result<Vec<_>, DisplayError>>()?;
         Shown::sum_of(parts).ok_or(DisplayError::NotFinite)
     }
 

@@ -1,5 +1,5 @@
-//! Polarised light that mirrors and sheets return, seen through a polariser that is fixed to the view: closed forms along the normal, where s and p are
-//! not, and where s and p are reflected alike.
+//! Polarised light that mirrors and sheets return, seen through a polariser that is fixed to the view: closed forms along the normal, where no plane of
+//! incidence is defined, and for displays that reflect s and p equally.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -133,8 +133,8 @@ fn wide_views_along_the_normal_show_the_same_through_both_polarisers() {
     }
 }
 
-/// Where s and p are reflected alike, polarised light is still polarised: mirrors below an ideal coating, and a sheet above paper, whose mirror image has
-/// the luminance of the sheet times that of the lamp.
+/// Displays that reflect s and p equally keep the polarisation of light: mirrors below an ideal coating, and a sheet above paper, whose mirror image has
+/// the reflectance of the sheet times the luminance of the lamp.
 #[test]
 fn mirrors_and_sheets_keep_polarisation() {
     let lit = lamp([30.0, 180.0, 5.0], 90.0);
@@ -155,6 +155,45 @@ fn mirrors_and_sheets_keep_polarisation() {
     }
     // An oblique polariser is refused where the phase between s and p is not known, and is not one here.
     near("mirror, 60 deg", of(&[CLEAR, MIRROR], "60", &[]) / (1.5 * 0.9 * image), 1.0, 1e-9);
+}
+
+/// In wide oblique views each ray has weights of its own, also of light with its places: below a clear filter as without it, and by paths.
+#[test]
+fn rays_of_wide_views_have_weights_of_their_own() {
+    let filter = filter(30.0, "red = 1.0, green = 1.0, blue = 1.0");
+    let matrix = "[display.matrix]\nppi = 200\n";
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let uniform = Uniform { states: 2 };
+    for (theta_deg, polariser) in [(60.0, "viewer.polariser=s"), (40.0, "viewer.polariser=p")] {
+        let own = view(theta_deg, 40.0);
+        let turned = ["viewer.phi_deg=20", polariser];
+        let bare = seen(&[GLASS, MIRROR, SKY, &own], &turned);
+        let expected = &bare.states.get("white").unwrap().value;
+        near("filter", y(&seen(&[GLASS, MIRROR, &filter, SKY, &own], &turned)) / expected.Y, 1.0, 1e-6);
+        let scenario = resolved(&[GLASS, MIRROR, matrix, SKY, &own], &turned);
+        let paths = walk::pattern(&scenario.scene, &uniform, 1 << 13, &control).unwrap();
+        let found = &paths[0].via_pixel[0];
+        let via_pixel = expected.Y - expected.terms.front_reflection;
+        let error = found.standard_error / via_pixel;
+        near("paths", found.value / via_pixel, 1.0, 4.5 * error + 1e-4);
+        assert!(error < 2e-3, "{error}");
+    }
+}
+
+/// The phase between s and p is not followed; a note says where that matters: in wide views of polarised light through a polariser.
+#[test]
+fn wide_views_of_polarised_light_are_noted() {
+    let is_noted = |panel: &str, field_deg: f64, more: &[&str]| {
+        let scene = resolved(&[panel, SKY, &view(30.0, field_deg)], more).scene;
+        let notes = run_on(&scene, Some(1)).unwrap().notes;
+        notes.iter().any(|note| note.contains("phase between s and p in faces"))
+    };
+    let film = [GLASS, FILM].concat();
+    assert!(is_noted(&film, 40.0, &["viewer.polariser=s"]));
+    assert!(!is_noted(&film, 2.0, &["viewer.polariser=s"]));
+    assert!(!is_noted(&film, 40.0, &[]));
+    assert!(!is_noted(&[CLEAR, MIRROR].concat(), 40.0, &["viewer.polariser=s"]));
 }
 
 /// A diffuser that keeps s and p above a mirror: a lamp of p is not seen through a polariser for s.

@@ -2,13 +2,10 @@
 //!
 //! Nothing scatters: a ray that a view sees has left a source in the mirrored direction, and its weight depends on both.
 
-use crate::light::cone_points::{Nodes, Point, cone_points_of, smooth_at};
-use crate::light::images::{Mirror, image_points};
+use crate::light::cone_points::{Nodes, Point};
+use crate::polarised_view::seen_in;
 use crate::specular::specular_image;
 use crate::{Cone, ReflectanceFactor, Source, Stack, WholeView};
-
-/// Angle over which the reflectances of interfaces and pixels change, radians.
-const SMOOTH: f64 = 0.3;
 
 /// The rays of all views.
 #[derive(Debug, Clone)]
@@ -33,20 +30,16 @@ impl Rays {
     ) -> Self {
         let view = |cone: &Cone| {
             let across = across(stack, cone);
-            let mut points = vec![Vec::new(); sources.len()];
-            for image in image_points(cone, sources, digits, Mirror::Across(across)) {
-                points[image.source] = image.points;
-            }
-            for (number, (points, source)) in points.iter_mut().zip(sources).enumerate() {
-                if matches!(source, Source::Diffuse) {
-                    let nodes = Nodes { rings: (digits / 2.5) as usize, across };
-                    *points = cone_points_of(cone, smooth_at(cone, SMOOTH), digits, nodes);
-                }
-                for Point { beta, weight } in points {
-                    *weight *= seen.weights(Some(cone), (number, source.direction()), *beta)[polarisation];
-                }
-            }
-            OfView { cone: *cone, across, points }
+            let nodes = Nodes { rings: (digits / 2.5) as usize, across };
+            let of_source = |(number, source): (usize, &Source)| {
+                let lit = (number, source.direction());
+                let weighted = |Point { beta, weight }| Point {
+                    beta,
+                    weight: weight * seen.weights(Some(cone), lit, beta)[polarisation],
+                };
+                seen_in(cone, source, (digits, nodes)).into_iter().map(weighted).collect()
+            };
+            OfView { cone: *cone, across, points: sources.iter().enumerate().map(of_source).collect() }
         };
         Self(views.iter().map(view).collect())
     }

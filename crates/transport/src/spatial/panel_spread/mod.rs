@@ -232,6 +232,14 @@ impl PanelSpread {
         Ok(Self { parts })
     }
 
+    /// The same with a weight of each direction of view.
+    #[must_use]
+    pub fn times(mut self, weight: impl Fn(Beta) -> f64) -> Self {
+        let samples = self.parts.iter_mut().flat_map(|part| &mut part.images);
+        samples.for_each(|sample| sample.weight *= weight(sample.beta));
+        self
+    }
+
     /// The mirror image of a beam in mirror-like pixels, its light along `beta`: what is never scattered.
     ///
     /// # Errors

@@ -248,20 +248,24 @@ impl<'a> PlacedWalk<'a> {
         if !kernel.as_ref().is_none_or(fits) {
             return Err(PlaceError::Channels);
         }
-        let of = |(own, sources): (&'a Stack, Cow<'a, [Source]>), weights: Vec<f64>, weight: f64| {
-            let tracer = Tracer::new(own, (view, sources), shows, filter.clone());
+        let of = |(own, sources): (&'a Stack, Cow<'a, [Source]>), weights: Vec<f64>, weight: f64, rays| {
+            let mut tracer = Tracer::new(own, (view, sources), shows, filter.clone());
+            tracer.rays = rays;
             let plan = Plan::new(own.base(), tracer.images(), kernel.clone(), EXTENT * own.thickness_mm());
             // Groups do not cross the filter.
             let leaving = filter.is_none().then(|| grouped::leaving(&tracer)).flatten();
             OwnWalk { tracer, plan, leaving, weights, weight }
         };
         let Some(both) = stack.polarised() else {
-            return Ok(Self { walks: vec![of((stack, sources.into()), vec![1.0; sources.len()], 1.0)] });
+            return Ok(Self {
+                walks: vec![of((stack, sources.into()), vec![1.0; sources.len()], 1.0, None)],
+            });
         };
-        let (by_source, usual) = (stack.weights_in(Some(&view), sources), stack.weights_of_polarisations());
+        let (by_source, usual) = (stack.weights_by_source(sources), stack.weights_of_polarisations());
         let walks = both.iter().enumerate().map(|(number, own)| {
             let sources = stack.sources_of(number, sources);
-            of((own, sources), by_source.iter().map(|weights| weights[number]).collect(), usual[number])
+            let rays = stack.polarised_view().and_then(|view| view.rays()).map(|seen| (seen.clone(), number));
+            of((own, sources), by_source.iter().map(|weights| weights[number]).collect(), usual[number], rays)
         });
         Ok(Self { walks: walks.collect() })
     }

@@ -17,7 +17,7 @@ use crate::mueller::LIGHT;
 use crate::skeleton::{Part, Propagation};
 use crate::walk::horizon::Horizons;
 use crate::walk::{PathNumbers, Target};
-use crate::{Cone, Layer, Medium, PixelSpread, Reflector, Source, Stack};
+use crate::{Cone, Layer, Medium, PixelSpread, Reflector, Source, Stack, WholeView};
 use papilio_optics::Beta;
 
 /// Light below this fraction of that at the first meeting with the pixel continues by roulette.
@@ -46,6 +46,8 @@ pub(super) struct Tracer<'a> {
     pub(super) spread: Option<PixelSpread>,
     /// A sample that is not infinite.
     pub(super) sample: Option<RoundSample>,
+    /// What is polarised where this is light of s (0) or of p (1) in flat layers above a mirror.
+    pub(super) rays: Option<(WholeView, usize)>,
     pub(super) air: Medium,
     /// Where lobes of the stack have no bound.
     pub(super) horizons: Option<Horizons>,
@@ -138,6 +140,7 @@ impl<'a> Tracer<'a> {
             filter,
             spread: None,
             sample: None,
+            rays: None,
         }
     }
 
@@ -306,15 +309,18 @@ impl<'a> Tracer<'a> {
     fn leave(&self, path: &mut Path, record: &mut impl Record) {
         path.light.receive(LIGHT);
         for (number, source) in self.sources.iter().enumerate() {
+            let of_ray = self.rays.as_ref().map_or(1.0, |(seen, polarisation)| {
+                seen.weights(Some(&self.view), (number, source.direction()), path.beta)[*polarisation]
+            });
             if *source == Source::Diffuse {
-                record.receives(number, path, 1.0);
+                record.receives(number, path, of_ray);
             } else if let Some(target) = Target::at(source, path.beta) {
                 let weight = if path.density.is_finite() {
                     target.balanced(path.density, || path.density, 0.0)
                 } else {
                     target.strength
                 };
-                record.receives(number, path, weight);
+                record.receives(number, path, of_ray * weight);
             }
         }
         record.leaves(path, false);
