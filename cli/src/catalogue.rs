@@ -26,10 +26,7 @@ pub(crate) fn list_materials(arguments: &Catalogue) -> Result<(), Failure> {
         let other = ("liquid_crystals", serde_json::json!(crystals), crystal_rows(&crystals));
         return all_with(arguments, "materials", &all, &material_rows(&all), Some(other));
     };
-    if let Some(crystal) = liquid_crystals().into_iter().find(|one| one.name.eq_ignore_ascii_case(name)) {
-        let all = [crystal];
-        return all_of(arguments, "liquid_crystals", &all, &crystal_rows(&all));
-    }
+    let crystals = crystals_like(name);
     match material_sheet(name) {
         Ok(sheet) => {
             let files = material_files(&sheet);
@@ -39,16 +36,31 @@ pub(crate) fn list_materials(arguments: &Catalogue) -> Result<(), Failure> {
             let like = materials_like(name);
             let some: Vec<MaterialEntry> =
                 materials().into_iter().filter(|entry| like.contains(&entry.name.as_str())).collect();
-            if some.is_empty() {
+            let of_crystals = crystal_rows(&crystals);
+            if some.is_empty() && crystals.is_empty() {
                 return Err(failure(unknown));
+            }
+            if some.is_empty() {
+                return all_of(arguments, "liquid_crystals", &crystals, &of_crystals);
             }
             if !materials_called(name).is_empty() {
                 let hint = unknown.hint.unwrap_or_default();
                 print_message(&format!("note: {}: {hint}", unknown.message));
             }
-            all_of(arguments, "materials", &some, &material_rows(&some))
+            let other = ("liquid_crystals", serde_json::json!(crystals), of_crystals);
+            let other = Some(other).filter(|_| !crystals.is_empty());
+            all_with(arguments, "materials", &some, &material_rows(&some), other)
         }
     }
+}
+
+/// Returns the liquid crystal of a name, or those whose description contains a word.
+fn crystals_like(word: &str) -> Vec<LiquidCrystalEntry> {
+    let word = word.to_lowercase();
+    let is_like = |entry: &LiquidCrystalEntry| {
+        entry.name.to_lowercase() == word || word.chars().count() > 2 && entry.what.contains(&word)
+    };
+    liquid_crystals().into_iter().filter(is_like).collect()
 }
 
 /// Runs `papilio illuminants`.

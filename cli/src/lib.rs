@@ -154,7 +154,7 @@ commands! {
                       papilio new --display epaper --light living-room reader.toml\n\n\
                       docs/light.md describes the presets.")]
     New(arguments::New) => new::run,
-    /// List the named materials, or show one: source, n and k, a figure
+    /// List materials and liquid crystals, or show one: source, n and k, a figure
     #[command(
         after_help = "Examples: papilio materials TiO2\n          papilio materials oxide\n\n\
                       docs/films.md describes other materials."

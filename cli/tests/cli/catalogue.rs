@@ -79,7 +79,7 @@ fn materials_list_the_liquid_crystals() {
     let square = 0.55_f64.powi(-2);
     let n = |[a, b, c]: [f64; 3]| format!("{:.4}", a + b * square + c * square * square);
     let (n_o, n_e) = (n([1.4990, 0.0072, 0.0003]), n([1.6933, 0.0078, 0.0028]));
-    for arguments in [&["materials"][..], &["materials", "e7"]] {
+    for arguments in [&["materials"][..], &["materials", "e7"], &["materials", "nematic"]] {
         let text = stdout(&papilio(arguments));
         let row = text.lines().find(|line| line.starts_with("E7 ")).unwrap();
         assert!(row.contains(&n_o) && row.contains(&n_e) && row.contains("J. Disp. Technol."), "{row}");

@@ -16,9 +16,9 @@
 //!
 //! **Method.** Unit vectors at [`INTERVALS`]` + 1` depths, energies by differences (error of second order), Newton's method on the
 //! spheres with a line search on the energy. The depths follow the director: half of the intervals are spread evenly, the other half in
-//! proportion to the root of its rate of turn. At high voltages it turns within the electric coherence length of the surfaces, 0.3 % of the gap at 100 V. Vectors have no singular direction: tilt and azimuth would at the normal, through which a
-//! director that turns by more than 180 deg escapes from its twist. The field couples all depths, by one term of rank one; the rest of the
-//! Hessian matrix is a band.
+//! proportion to the root of its rate of turn: at high voltages it turns within the electric coherence length of the surfaces, 0.3 % of the
+//! gap at 100 V. Vectors have no singular direction: tilt and azimuth would at the normal, through which a director that turns by more than
+//! 180 deg escapes from its twist. The field couples all depths, by one term of rank one; the rest of the Hessian matrix is a band.
 //!
 //! **Validity.** No flexoelectricity, ions, finite anchoring, flow or change of the order.
 //!
