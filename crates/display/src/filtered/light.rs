@@ -76,12 +76,12 @@ impl Filtered<'_> {
         Accuracy { digits, most_per_mm: 4.0 / finest }
     }
 
-    /// Directions of the light of a source below the face or diffuser.
+    /// Directions of the light of a source below the face or diffuser; below a diffuser those of a sum.
     pub(super) fn arriving(
         &self,
         optics: &Optics,
         source: &Source,
-        level: usize,
+        (level, sum): (usize, Option<usize>),
     ) -> Result<Vec<Direction>, DisplayError> {
         let Top::Diffuser(diffuser) = &optics.panel.top else {
             let diffuse = || diffuse_directions(level as u32, |beta| optics.passes(beta));
@@ -92,37 +92,43 @@ impl Filtered<'_> {
             return match source {
                 Source::Diffuse => Ok(diffuse()),
                 Source::Beam(beta) => Ok(vec![Direction { beta: *beta, weight: 1.0 }]),
-                Source::Disc(cone) => self.mirrored(optics, cone, level),
+                Source::Disc(cone) => self.mirrored(optics, cone, (level, sum)),
                 Source::Field(field) => Ok(of_field(field)),
             };
         };
+        let number = sum.unwrap_or_default();
         match source {
-            Source::Diffuse => Ok(diffused_directions(diffuser, optics.index, level as u32)),
+            Source::Diffuse => Ok(diffused_directions(diffuser, optics.index, level as u32, number)),
             Source::Beam(beta) => {
                 let towards = -*beta;
                 let theta_deg = towards.length().min(1.0).asin().to_degrees();
                 let phi_deg = towards.y.atan2(towards.x).to_degrees();
-                self.mirrored(optics, &Cone::new(theta_deg, phi_deg, 0.0, 1.0), level)
+                self.mirrored(optics, &Cone::new(theta_deg, phi_deg, 0.0, 1.0), (level, sum))
             }
-            Source::Disc(cone) => self.mirrored(optics, cone, level),
+            Source::Disc(cone) => self.mirrored(optics, cone, (level, sum)),
             Source::Field(field) => {
-                Ok(diffused_directions_of_field(diffuser, field, optics.index, level as u32))
+                Ok(diffused_directions_of_field(diffuser, field, optics.index, level as u32, number))
             }
         }
     }
 
     /// Directions of light from a cone: those of a view into it, reversed.
-    fn mirrored(&self, optics: &Optics, cone: &Cone, level: usize) -> Result<Vec<Direction>, DisplayError> {
-        let seen = self.leaving(optics, cone, level)?;
+    fn mirrored(
+        &self,
+        optics: &Optics,
+        cone: &Cone,
+        (level, sum): (usize, Option<usize>),
+    ) -> Result<Vec<Direction>, DisplayError> {
+        let seen = self.leaving(optics, cone, (level, sum))?;
         Ok(seen.into_iter().map(|one| Direction { beta: -one.beta, ..one }).collect())
     }
 
-    /// Directions in the medium that a view sees through the top.
+    /// Directions in the medium that a view sees through the top, all or those of a sum.
     pub(super) fn leaving(
         &self,
         optics: &Optics,
         view: &Cone,
-        level: usize,
+        (level, sum): (usize, Option<usize>),
     ) -> Result<Vec<Direction>, DisplayError> {
         let accuracy = self.accuracy(DIGITS[level.min(2)]);
         let panel = Panel { gaps_mm: vec![self.filter.height_mm], ..optics.panel.clone() };
@@ -131,7 +137,9 @@ impl Filtered<'_> {
         let of_part = |part: &Part| {
             let through = part.through.iter().copied().fold(0.0, f64::max);
             let mut all = Vec::new();
-            part.each_sample(|one| all.push(Direction { beta: one.beta, weight: one.weight * through }));
+            part.each_sample_of(sum, |one| {
+                all.push(Direction { beta: one.beta, weight: one.weight * through })
+            });
             all
         };
         Ok(spread.parts().iter().flat_map(of_part).collect())

@@ -18,8 +18,8 @@ use papilio_optics::Beta;
 use papilio_spectra::{Spectrum, StateSpectra};
 use papilio_transport::adding::Kernel;
 use papilio_transport::spatial::{
-    Asked, Direction, Division, FilteredPixels, PanelSpread, Passed, Rectangle, Shown, TwoPlanes, Window,
-    air_below_front_mm,
+    Asked, Direction, Division, FilteredPixels, PanelSpread, Part, Passed, Rectangle, Shown, TwoPlanes,
+    Window, air_below_front_mm,
 };
 use papilio_transport::{Cone, Estimate, Ledger, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
 
@@ -65,11 +65,15 @@ pub(crate) struct Period {
     page: f64,
     orders: Vec<f64>,
     kernel: Kernel,
-    /// Light that enters, by source.
-    entering: Known<usize, Passed>,
-    /// Radiosity of each cell, by source and states of the pixels.
-    radiosity: Known<(usize, Vec<usize>), [f64]>,
+    /// Light that enters, by sum and source.
+    entering: Known<(Sum, usize), Passed>,
+    /// Radiosity of each cell, by sum, source and states of the pixels.
+    radiosity: Known<(Sum, usize, Vec<usize>), [f64]>,
 }
+
+/// Number of a sum over other directions below a diffuser, of several whose mean is the light; `None` for all directions, of light that
+/// is not scattered.
+pub(crate) type Sum = Option<usize>;
 
 /// What has been computed, by what it depends on.
 type Known<K, V> = RefCell<HashMap<K, Rc<V>>>;
@@ -194,6 +198,12 @@ impl<'a> Filtered<'a> {
         matches!(self.panel.top, Top::Diffuser(_))
     }
 
+    /// Sums whose mean the light is. Areas of windows have kinks at the places that directions show: below a diffuser, the scatter of
+    /// sums over other directions tells the error that they cause.
+    pub(crate) fn sums(&self) -> Vec<Sum> {
+        if self.is_diffused() { (0..Part::SUMS).map(Some).collect() } else { vec![None] }
+    }
+
     /// True if lines are computed: above Lambertian pixels, in patterns in two directions, they have too many
     /// cells.
     pub(crate) fn has_lines(&self) -> bool {
@@ -299,11 +309,11 @@ impl<'a> Filtered<'a> {
         (0..count).chain([count * period.columns]).collect()
     }
 
-    /// What a view sees of a period whose pixels are in these states of the display, `[period][pixel]`, through
+    /// What a view sees in a sum of a period whose pixels are in these states of the display, `[period][pixel]`, through
     /// some of the windows; those after the last one are the areas between them.
     pub(crate) fn seen(
         &self,
-        period: &Period,
+        (period, sum): (&Period, Sum),
         number: usize,
         states: &[Vec<usize>],
         windows: Vec<usize>,
@@ -314,10 +324,11 @@ impl<'a> Filtered<'a> {
         let sources = 0..self.setup.sources.len();
         let shown = match &self.panel.base.reflector {
             Reflector::Lambertian(rho) => {
-                let leaving = self.leaving_period(period, number)?;
+                let leaving = self.leaving_period((period, sum), number)?;
                 let of_source = |source: usize| {
                     self.control.check()?;
-                    let radiosity = states.iter().map(|states| self.radiosity(period, source, states, rho));
+                    let radiosity =
+                        states.iter().map(|states| self.radiosity((period, sum), source, states, rho));
                     let radiosity = radiosity.collect::<Result<Vec<_>, _>>()?;
                     let shown = period.planes.shown(&leaving, &radiosity, &asked);
                     Ok(shown.times(&unfiltered[source].via_pixel))
@@ -328,7 +339,7 @@ impl<'a> Filtered<'a> {
                 let of_source = |source: usize| {
                     self.control.check()?;
                     let view = &self.setup.views[number].field;
-                    self.of_mirrors(period, &asked, (source, Some(view)), |panel, source| {
+                    self.of_mirrors((period, sum), &asked, (source, Some(view)), |panel, source| {
                         self.mirrored_spread(panel, view, source, period.level)
                     })
                 };
@@ -338,11 +349,16 @@ impl<'a> Filtered<'a> {
         Ok(Seen { shown, unfiltered })
     }
 
-    /// Estimate of a view for all states, in a period of one pixel.
-    pub(crate) fn estimate(&self, period: &Period, number: usize) -> Result<Estimate, DisplayError> {
+    /// Estimate of a view for all states in a sum, in a period of one pixel.
+    pub(crate) fn estimate(
+        &self,
+        (period, sum): (&Period, Sum),
+        number: usize,
+    ) -> Result<Estimate, DisplayError> {
         let states: Vec<Vec<usize>> =
             (0..self.setup.states.len()).map(|state| vec![state; period.columns]).collect();
-        let Seen { shown, unfiltered } = self.seen(period, number, &states, self.of_first_pixel(period))?;
+        let windows = self.of_first_pixel(period);
+        let Seen { shown, unfiltered } = self.seen((period, sum), number, &states, windows)?;
         let factor = |(shown, unfiltered): (Shown, ReflectanceFactor)| {
             let via_pixel = (0..states.len()).flat_map(|state| shown.all(state)).collect();
             ReflectanceFactor {
@@ -364,16 +380,16 @@ impl<'a> Filtered<'a> {
         let period = self.period(level, 1)?;
         let below: Vec<Vec<usize>> = (0..states).map(|state| self.below(&[state])).collect();
         let asked = Asked { states: &below, windows: self.of_first_pixel(&period) };
-        let shown = self.of_mirrors(&period, &asked, (source, None), |panel, _| {
+        let shown = self.of_mirrors((&period, None), &asked, (source, None), |panel, _| {
             PanelSpread::image(panel, beta).map_err(not_computed)
         })?;
         Ok(StateSpectra::new((0..states).flat_map(|state| shown.all(state)).collect(), bins))
     }
 
-    /// What a view sees of mirror-like pixels in the light of a source, or its mirror image there, given this light by direction.
+    /// What a view sees of mirror-like pixels in the light of a source in a sum, or its mirror image there, given this light by direction.
     fn of_mirrors(
         &self,
-        period: &Period,
+        (period, sum): (&Period, Sum),
         asked: &Asked<'_>,
         (source, view): (usize, Option<&Cone>),
         spread: impl Fn(&Panel, &Source) -> Result<PanelSpread, DisplayError>,
@@ -387,7 +403,7 @@ impl<'a> Filtered<'a> {
             let of_ray = |beta| stack.weights_of_ray(view, (source, &all[source]), beta);
             let weight_of_ray = |beta| of_ray(beta).map_or(1.0, |weights| weights[number]);
             let spread = spread(panel, &sources[source])?.times(weight_of_ray);
-            let shown = period.planes.mirrored(panel, &spread, asked, period.level as u32);
+            let shown = period.planes.mirrored(panel, (&spread, sum), asked, period.level as u32);
             Ok((shown.map_err(not_computed)?, weight))
         };
         let parts = self
@@ -403,38 +419,39 @@ impl<'a> Filtered<'a> {
     /// Radiosity of each cell in the light of a source, given the states of the pixel below each window.
     fn radiosity(
         &self,
-        period: &Period,
+        (period, sum): (&Period, Sum),
         source: usize,
         states: &[usize],
         rho: &StateSpectra,
     ) -> Result<Rc<[f64]>, DisplayError> {
-        let key = (source, states.to_vec());
+        let key = (sum, source, states.to_vec());
         if let Some(known) = period.radiosity.borrow().get(&key) {
             return Ok(known.clone());
         }
         let rho: Vec<&[f64]> = states.iter().map(|state| rho.state(*state)).collect();
-        let irradiance = period.planes.irradiance(&*self.entering(period, source)?, &rho);
+        let irradiance = period.planes.irradiance(&*self.entering((period, sum), source)?, &rho);
         let found: Rc<[f64]> = period.planes.radiosity(&irradiance, &rho).into();
         period.radiosity.borrow_mut().insert(key, found.clone());
         Ok(found)
     }
 
     /// Light of a source that enters.
-    fn entering(&self, period: &Period, source: usize) -> Result<Rc<Passed>, DisplayError> {
-        if let Some(known) = period.entering.borrow().get(&source) {
+    fn entering(&self, (period, sum): (&Period, Sum), source: usize) -> Result<Rc<Passed>, DisplayError> {
+        if let Some(known) = period.entering.borrow().get(&(sum, source)) {
             return Ok(known.clone());
         }
         let from = &self.setup.sources[source];
-        let directions = |optics: &Optics| self.arriving(optics, from, period.level);
+        let directions = |optics: &Optics| self.arriving(optics, from, (period.level, sum));
         let found = Rc::new(self.passed(period, directions, TwoPlanes::entering)?);
-        period.entering.borrow_mut().insert(source, found.clone());
+        period.entering.borrow_mut().insert((sum, source), found.clone());
         Ok(found)
     }
 
     /// Light that leaves each cell towards a view.
-    fn leaving_period(&self, period: &Period, number: usize) -> Result<Passed, DisplayError> {
+    fn leaving_period(&self, (period, sum): (&Period, Sum), number: usize) -> Result<Passed, DisplayError> {
         let view = &self.setup.views[number].field;
-        self.passed(period, |optics| self.leaving(optics, view, period.level), TwoPlanes::leaving)
+        let directions = |optics: &Optics| self.leaving(optics, view, (period.level, sum));
+        self.passed(period, directions, TwoPlanes::leaving)
     }
 
     fn passed(
@@ -471,10 +488,10 @@ impl<'a> Filtered<'a> {
     /// wavelength, `[window][sub-pixel]`.
     pub(crate) fn arriving_parts(
         &self,
-        period: &Period,
+        (period, sum): (&Period, Sum),
         source: usize,
     ) -> Result<Vec<Vec<Vec<f64>>>, DisplayError> {
-        let (cells, entering) = (period.planes.cells(), self.entering(period, source)?);
+        let (cells, entering) = (period.planes.cells(), self.entering((period, sum), source)?);
         let count = self.sub_pixels() * period.columns;
         let mut sums = vec![vec![vec![0.0; self.setup.scene.grid.len()]; count]; count + period.columns];
         for cell in 0..cells.count() {

@@ -85,17 +85,18 @@ impl Meter<'_> {
     }
 
     /// Computes the result of a view from two or three levels, whose errors are `raised` by this factor; `specular` has shape
-    /// `[state][light]`.
+    /// `[state][light]`. No relative error is below `least`.
     pub(crate) fn view_of_levels(
         &self,
         at: &ViewPoint,
         [finer, coarser]: [&Sample; 2],
         (before, raised): (Option<&Sample>, f64),
-        specular: &[Vec<f64>],
+        (specular, least): (&[Vec<f64>], f64),
     ) -> ViewSamples {
         let bare = self.bare_peaks(at, self.setup.stack.base());
         let (scalars, of_coarser) = (self.scalars(finer, &bare), self.scalars(coarser, &bare));
-        let least = Some(self.level_error([finer, coarser], before, false)).filter(|least| least.is_finite());
+        let of_worst = self.level_error([finer, coarser], before, false);
+        let least = [of_worst, least].into_iter().filter(|least| least.is_finite()).reduce(f64::max);
         let of_levels = LevelError {
             times: raised * error_over_difference(&self.setup.stack, &self.setup.sources),
             least: (raised * least.unwrap_or(0.0)).max(LEAST_CLAIMED),

@@ -13,6 +13,7 @@ mod metrics;
 mod replicates;
 mod sample;
 mod slopes;
+mod sums;
 mod view;
 
 use std::borrow::Cow;
@@ -35,6 +36,7 @@ pub(crate) use replicates::LeastErrors;
 use sample::Layout;
 pub(crate) use sample::{Sample, relative, spread};
 pub(crate) use slopes::{Number, Slopes};
+pub(crate) use sums::{STANDARD_ERRORS, SampleOfSums};
 
 /// Converts estimates to samples, and samples to results.
 pub(crate) struct Meter<'a> {

@@ -23,7 +23,7 @@ use rayon::ThreadPool;
 use super::refine::{Refined, finest, largest, refine, refine_or_fail};
 use super::{Accuracy, Control, Progress, Run, each};
 use crate::DisplayError;
-use crate::meter::Sample;
+use crate::meter::{Sample, SampleOfSums};
 use crate::result::{RunResult, SolverReport};
 use crate::scene::Stop;
 use crate::setup::{Setup, ViewPoint};
@@ -198,18 +198,31 @@ pub(super) fn run(
 pub(super) fn run_levels(
     run: &Run<'_>,
     finest: usize,
-    at: impl FnMut(usize) -> Result<Vec<Sample>, DisplayError>,
+    at: impl FnMut(usize) -> Result<Vec<SampleOfSums>, DisplayError>,
     nodes: impl Fn() -> u64,
 ) -> Result<RunResult, DisplayError> {
     let common = Common::default();
     let runner = Runner::new(run, &common, finest)?;
-    let (error, views) = (
-        |levels: [&Vec<Sample>; 2], before: Option<&Vec<Sample>>| runner.error(levels, before),
-        run.setup.views.len(),
-    );
+    let means = |level: &Vec<SampleOfSums>| level.iter().map(|one| one.mean.clone()).collect::<Vec<_>>();
+    let error = |[finer, coarser]: [&Vec<SampleOfSums>; 2], before: Option<&Vec<SampleOfSums>>| {
+        let of_levels = runner.error([&means(finer), &means(coarser)], before.map(means).as_ref());
+        let of_sums = finer.iter().map(|one| run.meter.error_of_sums(one, runner.per_wavelength));
+        of_sums.fold(of_levels, largest)
+    };
+    let views = run.setup.views.len();
     let report = |error, done| runner.report(error, if done { views } else { 0 });
-    let samples = refine_or_fail(runner.target, finest, runner.times(), at, error, report)?;
-    runner.result(&[Some(Group { samples, nodes: nodes() as usize })])
+    let found = refine_or_fail(runner.target, finest, runner.times(), at, error, report)?;
+    let least = found.finer.iter().map(|one| run.meter.error_of_sums(one, false)).collect();
+    let samples = Refined {
+        finer: means(&found.finer),
+        coarser: means(&found.coarser),
+        before: found.before.as_ref().map(means),
+        level: found.level,
+        error: found.error,
+        raised: found.raised,
+        finished: found.finished,
+    };
+    runner.result(&[Some(Group { samples, nodes: nodes() as usize, least })])
 }
 
 /// Kernel of a group of views, with the range of these views.
@@ -258,6 +271,8 @@ struct Group {
     samples: Refined<Vec<Sample>>,
     /// Number of nodes of the finer level.
     nodes: usize,
+    /// Least relative error of each view; none if that is 0.
+    least: Vec<f64>,
 }
 
 impl<'a> Runner<'a> {
@@ -290,7 +305,8 @@ impl<'a> Runner<'a> {
                 self.report(error, if done { views.len() } else { 0 });
             },
         )?;
-        Some(Group { nodes: levels[self.begin + samples.level].kernel.nodes(), samples })
+        let nodes = levels[self.begin + samples.level].kernel.nodes();
+        Some(Group { nodes, samples, least: Vec::new() })
     }
 
     /// Computes the samples of these views at a level; `None` if the run was stopped.
@@ -361,7 +377,14 @@ impl<'a> Runner<'a> {
                     return Err(DisplayError::NotFinite);
                 }
                 let before = before.as_ref().map(|before| &before[view]);
-                views.push(self.run.meter.view_of_levels(at, [finer, coarser], (before, *raised), &specular));
+                let least = group.least.get(view).copied().unwrap_or(0.0);
+                let seen = self.run.meter.view_of_levels(
+                    at,
+                    [finer, coarser],
+                    (before, *raised),
+                    (&specular, least),
+                );
+                views.push(seen);
             }
         }
         if views.is_empty() {

@@ -9,7 +9,7 @@ use super::rounds::paths_for_a_tenth;
 use super::{Control, REPLICATES, Round, Run, each_view, missed, paths_from_round, until};
 use crate::DisplayError;
 use crate::filtered::{Filtered, by_reciprocity};
-use crate::meter::{LeastErrors, Sample};
+use crate::meter::{LeastErrors, Sample, SampleOfSums};
 use crate::result::{RunResult, SolverReport, TargetReport};
 use crate::scene::{Method, Stop};
 use crate::spatial::walk::Placed;
@@ -44,11 +44,16 @@ fn samples(
     filtered: &Filtered<'_>,
     level: usize,
     nodes: &Cell<u64>,
-) -> Result<Vec<Sample>, DisplayError> {
+) -> Result<Vec<SampleOfSums>, DisplayError> {
     let period = filtered.period(level, 1)?;
     nodes.set(period.nodes());
     let views = 0..run.setup.views.len();
-    views.map(|view| Ok(run.meter.sample(&filtered.estimate(&period, view)?))).collect()
+    let of_view = |view: usize| {
+        let sums = filtered.sums().into_iter();
+        let sums = sums.map(|sum| Ok(run.meter.sample(&filtered.estimate((&period, sum), view)?)));
+        Ok(SampleOfSums::new(sums.collect::<Result<_, DisplayError>>()?))
+    };
+    views.map(of_view).collect()
 }
 
 /// Runs a scene by Monte Carlo with places.

@@ -28,8 +28,7 @@ pub(crate) struct Level {
     /// True for the finer level of a result. A coarse one also takes simpler estimates, so that the
     /// difference bounds theirs, however many digits both have.
     pub(crate) is_fine: bool,
-    /// True if sums over points are to be over others: those of light that a front returns, of which there are then fewer, and
-    /// those of directions for areas of pixels.
+    /// True if light that a front returns is to be a sum over other points, and fewer.
     pub(crate) is_other: bool,
     /// Number of times that cells of figures are halved beyond those of the finer of two levels.
     pub(crate) finer: u32,

@@ -1,19 +1,24 @@
 //! Colour filters at a height above the pixels: limits, known shares, and what is refused.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
+use num_complex::Complex64;
 use papilio_display::image::{ImageResult, ImageSettings, PictureSurround, Screen, SourceImage, image};
+use papilio_display::result::RunResult;
 use papilio_display::scene::Ready;
 use papilio_display::spatial::{CrosstalkResult, Figure, crosstalk, walk};
 use papilio_display::{Control, DisplayError, Progress, run};
+use papilio_optics::lobe::Lobe;
+use papilio_optics::{Beta, Scatterer};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_spectra::Spectrum;
 use papilio_testing::{everyday, sized};
 
 use crate::common::run_on;
+use crate::tangents::Tangents;
 
 pub(crate) const PAPER: &str = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.6, black = 0.03 }\n";
 pub(crate) const LIGHT: &str = "[lighting]\nilluminance_lx = 500\nspectrum = \"D65\"\ndiffuse = 1.0\n";
@@ -73,6 +78,83 @@ fn clear_filter_leaves_the_display_as_it_is() {
         near("stripes of white", of("red") / of("green"), 1.0, 1e-6);
         let ledger = &with.views[0].ledger.get("white").unwrap();
         near("energy", ledger.returned + ledger.unaccounted, 1.0, 1e-9);
+    }
+}
+
+/// Paper with a filter of stripes below a lobe, against integrals by place: the own shares of light through a clear filter, and Y of
+/// paper below a filter that is black but for one stripe, are within their stated errors.
+#[test]
+fn numbers_below_a_filter_and_a_lobe_are_within_their_stated_errors() {
+    // Width of the lobe, view in degrees, height of the filter in um.
+    let cases = [
+        [0.01, 10.0, 100.0],
+        [0.1, 0.0, 100.0],
+        [0.1, 30.0, 50.0],
+        [0.05667, 8.0, 200.0],
+        [0.05, 20.0, 20.0],
+        [0.02, 15.0, 10.0],
+        [0.03, 0.0, 60.0],
+    ];
+    for [width, theta_deg, height_um] in everyday(2, cases) {
+        let what = format!("{width} {theta_deg} {height_um}");
+        let lobe =
+            format!("[display.diffuser]\nmodel = \"k-correlation\"\nwidth = {width}\ntransmittance = 1.0\n");
+        let view = format!("[viewer]\ntheta_deg = {theta_deg}\nfield_deg = 0\n");
+        let below = |filter: &str| resolved(&[&lobe, &glass("coated", 0.3), PAPER, LIGHT, filter, &view]);
+        let lobe_of_width = Lobe::KCorrelation { width };
+        let seen_from = Beta::towards(theta_deg, 0.0, 1.0);
+        let leaves = |beta: Beta| lobe_of_width.density(seen_from, beta);
+        let enters = |beta: Beta| lobe_of_width.fraction_in_disc(beta.length(), 1.0);
+        let pitch = 84.67 / height_um;
+        let of = |light: &dyn Fn(Beta) -> f64, peak: Option<(f64, f64)>| {
+            let tangents = Tangents { peak, rim: width, first: 0.0, step: pitch / 3.0 };
+            let (mut own, mut all) = (0.0, 0.0);
+            let mut waves = [Complex64::ZERO; 64];
+            let rest = tangents.each(light, &mut |x, light| {
+                let periods = x / pitch;
+                own += light * (1.0 - 3.0 * (periods - periods.round()).abs()).max(0.0);
+                all += light;
+                for (k, wave) in waves.iter_mut().enumerate() {
+                    *wave += Complex64::from_polar(light, 2.0 * PI * k as f64 * periods);
+                }
+            });
+            waves[0] += rest;
+            ((own + rest / 3.0) / (all + rest), waves.map(|wave| wave / (all + rest)))
+        };
+        let (own_out, waves_out) = of(&leaves, Some((seen_from.x, width)));
+        let (own_in, waves_in) = of(&enters, None);
+        let shares = &computed(&below(&filter(height_um, CLEAR))).unwrap().views[0].shares;
+        for (found, error, expected) in [
+            (shares.own_share_out, shares.own_share_errors[0], own_out),
+            (shares.own_share_in, shares.own_share_errors[1], own_in),
+        ] {
+            let (found, error) = (found.unwrap(), error.unwrap());
+            assert!(
+                (found - expected).abs() < error + 1e-7,
+                "{what}: {found} ({error:.1e}) against {expected}"
+            );
+        }
+        // Light enters and leaves through the same stripe: a Fourier series with the waves of both ways.
+        let of_order = |k: usize| {
+            let x = PI * k as f64;
+            let stripe = if k == 0 { 1.0 / 9.0 } else { 2.0 * ((x / 3.0).sin() / x).powi(2) };
+            stripe * (waves_in[k] * waves_out[k]).re
+        };
+        let part: f64 = (0..waves_in.len()).map(of_order).sum();
+        let [clear, black] = [CLEAR, "red = 1.0, green = 0.0, blue = 0.0"]
+            .map(|filter_of| run_on(&below(&filter(height_um, filter_of)).scene, Some(1)).unwrap());
+        let white = |result: &RunResult| {
+            let state = result.views[0].states.get("white").unwrap();
+            (state.value.Y, state.discretisation_error.as_ref().unwrap().Y)
+        };
+        let ((all, _), (found, error)) = (white(&clear), white(&black));
+        // Y below a clear filter is that of paper below the lobe, within 1e-5.
+        let expected = part * all;
+        assert!(
+            (found - expected).abs() < error + 1e-5 * expected,
+            "{what}: Y {found} ({error:.1e}) against {expected}"
+        );
+        assert!(error < 1e-2 * found, "{what}: Y {found} ({error:.1e})");
     }
 }
 

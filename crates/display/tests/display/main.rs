@@ -49,5 +49,6 @@ mod shown;
 mod spread_within;
 mod sub_pixels;
 mod table_azimuths;
+mod tangents;
 mod viewing_cone;
 mod within_step;

@@ -80,9 +80,21 @@ const SMALLEST_PANEL: f64 = 1e-8;
 
 /// Returns a rule on an interval for an integrand with these poles that is smooth between `breaks`.
 pub(crate) fn graded(from: f64, to: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
+    graded_with(from, to, (breaks, poles), digits, 0)
+}
+
+/// Returns the same rule with so many points more, or fewer, in each panel.
+fn graded_with(
+    from: f64,
+    to: f64,
+    (breaks, poles): (&[f64], &[Pole]),
+    digits: f64,
+    more: isize,
+) -> Vec<Node> {
     let mut nodes = Vec::new();
     panels(from, to, breaks, poles, &mut |from, to, ellipse: f64| {
-        nodes.extend(gauss(from, to, points_for(digits + MULTIPLE_POLES, 2.0 * ellipse.ln())));
+        let points = points_for(digits + MULTIPLE_POLES, 2.0 * ellipse.ln());
+        nodes.extend(gauss(from, to, points.saturating_add_signed(more)));
     });
     nodes
 }
@@ -143,10 +155,20 @@ pub(crate) fn points_for(digits: f64, each: f64) -> usize {
 /// Returns a rule over the radius of the disc `|beta| <= radius` in `beta = radius sin x`, which resolves
 /// square roots that end on its rim: nodes are |beta|, weights contain `2 pi |beta| d|beta|`.
 pub(crate) fn radial(radius: f64, breaks: &[f64], poles: &[Pole], digits: f64) -> Vec<Node> {
+    radial_with(radius, (breaks, poles), digits, 0)
+}
+
+/// Returns the same rule with so many points more, or fewer, in each panel.
+pub(crate) fn radial_with(
+    radius: f64,
+    (breaks, poles): (&[f64], &[Pole]),
+    digits: f64,
+    more: isize,
+) -> Vec<Node> {
     let inside = breaks.iter().filter(|b| **b < radius);
     let breaks: Vec<f64> = inside.map(|b| (b / radius).asin()).collect();
     let poles: Vec<Pole> = poles.iter().map(|pole| pole.in_arc(radius)).collect();
-    let mut nodes = graded(0.0, FRAC_PI_2, &breaks, &poles, digits);
+    let mut nodes = graded_with(0.0, FRAC_PI_2, (&breaks, &poles), digits, more);
     for node in &mut nodes {
         let (sin, cos) = node.x.sin_cos();
         node.x = radius * sin;

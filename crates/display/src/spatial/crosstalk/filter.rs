@@ -1,16 +1,16 @@
 //! Crosstalk of a display with a colour filter at a height above its pixels.
 
 use super::super::response::name_of_light;
-use super::found::Measured;
+use super::found::{Levelled, Measured};
 use super::{BLACK, CrosstalkView, Figure, PAGE, add, flat, page, refined, state};
 use crate::DisplayError;
-use crate::filtered::{Filtered, Period};
+use crate::filtered::{Filtered, Period, Sum};
 use crate::meter::Meter;
 use crate::run::{Control, Progress};
 use crate::setup::Setup;
 
 /// Periods of one level.
-struct Levelled {
+struct Periods {
     /// One pixel.
     page: Period,
     /// Two pixels along x, and a line on a page, where these are computed.
@@ -33,17 +33,19 @@ pub(super) fn views(
     setup: &Setup,
     control: &Control<'_>,
 ) -> Result<Vec<CrosstalkView>, DisplayError> {
-    let mut levels: Vec<Levelled> = Vec::new();
+    let mut levels: Vec<Periods> = Vec::new();
     let mut views = Vec::with_capacity(setup.views.len());
     for (number, view) in setup.views.iter().enumerate() {
         let at = |level: usize| {
             control.check()?;
             if levels.len() == level {
-                levels.push(levelled(filtered, level)?);
+                levels.push(periods(filtered, level)?);
             }
-            seen(filtered, setup, &levels[level], number)
+            let sums = filtered.sums().into_iter();
+            let sums = sums.map(|sum| seen(filtered, setup, (&levels[level], sum), number));
+            Ok(Levelled::of_sums(&sums.collect::<Result<Vec<_>, DisplayError>>()?))
         };
-        let mut found = refined(setup, view, (FINEST, 1.0), (at, |_| Ok(None)), control)?;
+        let mut found = refined(setup, view, (FINEST, 1.0), at, control)?;
         for pattern in &mut found.patterns {
             pattern.why_null = match pattern.name {
                 Figure::Stripe | Figure::Line if filtered.is_diffused() => Some(DIFFUSED),
@@ -59,41 +61,41 @@ pub(super) fn views(
 }
 
 /// Prepares a level. Stripes and lines are those of the plane of the filter, which a diffuser above it blurs.
-fn levelled(filtered: &Filtered<'_>, level: usize) -> Result<Levelled, DisplayError> {
+fn periods(filtered: &Filtered<'_>, level: usize) -> Result<Periods, DisplayError> {
     let is_sharp = !filtered.is_diffused();
     let stripes = is_sharp.then(|| filtered.period(level, 2)).transpose()?;
     let line = (is_sharp && filtered.has_lines()).then(|| filtered.line(level)).transpose()?;
-    Ok(Levelled { page: filtered.period(level, 1)?, stripes, line })
+    Ok(Periods { page: filtered.period(level, 1)?, stripes, line })
 }
 
-/// Computes what a view sees.
+/// Computes what a view sees in a sum.
 fn seen(
     filtered: &Filtered<'_>,
     setup: &Setup,
-    levelled: &Levelled,
+    (periods, sum): (&Periods, Sum),
     number: usize,
 ) -> Result<Measured, DisplayError> {
     let (meter, page, black) = (Meter::new(setup), page(setup), state(setup, BLACK));
     let (count, states) = (filtered.sub_pixels(), setup.states.len());
     let of_states = |period: &dyn Fn(usize) -> Vec<usize>| (0..states).map(period).collect::<Vec<_>>();
     let pages = filtered.seen(
-        &levelled.page,
+        (&periods.page, sum),
         number,
         &of_states(&|state| vec![state]),
-        filtered.of_first_pixel(&levelled.page),
+        filtered.of_first_pixel(&periods.page),
     )?;
     let figures = |period: &Option<Period>, others: &[Vec<usize>]| {
         let Some(period) = period else { return Ok(None) };
         // What leaves through the first pixel, over its part of the period.
         let on_page =
             |state: usize| (0..period.columns()).map(|pixel| if pixel == 0 { state } else { page }).collect();
-        let periods = [of_states(&on_page), others.to_vec()].concat();
-        let seen = filtered.seen(period, number, &periods, filtered.of_first_pixel(period))?;
-        Ok::<_, DisplayError>(Some((seen, vec![[0.0; 3]; periods.len()], period.columns() as f64)))
+        let states = [of_states(&on_page), others.to_vec()].concat();
+        let seen = filtered.seen((period, sum), number, &states, filtered.of_first_pixel(period))?;
+        Ok::<_, DisplayError>(Some((seen, vec![[0.0; 3]; states.len()], period.columns() as f64)))
     };
     let page_beside_black: Vec<Vec<usize>> = black.map(|black| vec![page, black]).into_iter().collect();
-    let mut stripes = figures(&levelled.stripes, &page_beside_black)?;
-    let mut lines = figures(&levelled.line, &[])?;
+    let mut stripes = figures(&periods.stripes, &page_beside_black)?;
+    let mut lines = figures(&periods.line, &[])?;
     let mut seen = Measured { from_faces: meter.without_pixel(&pages.unfiltered), ..Measured::default() };
     let mut colours = vec![[0.0; 3]; states];
     for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
@@ -122,7 +124,7 @@ fn seen(
                 light.iter().zip(first.iter()).map(|(light, first)| light * first).collect();
             flat::colour(weights, &light)[1]
         };
-        let entered = filtered.arriving_parts(&levelled.page, source)?;
+        let entered = filtered.arriving_parts((&periods.page, sum), source)?;
         seen.entered.push(entered.into_iter().map(|row| row.into_iter().map(y).collect()).collect());
     }
     let page_colour = state(setup, PAGE).map(|page| colours[page]);

@@ -43,8 +43,8 @@ struct Known {
     /// Fraction of the light at the wavelengths of the grid that shows the figure itself; `None` if all does.
     itself: Option<Vec<f64>>,
     /// All other light: the fraction of each part, and the light of the cells in it over that of a page of the
-    /// mean reflectance.
-    others: Vec<(Vec<f64>, Table)>,
+    /// mean reflectance; below a lobe the same of the figure and of all else, which count as its own share says.
+    others: Vec<(Vec<f64>, Vec<Table>)>,
     /// Part of the cells that belong to the figure.
     share: f64,
 }
@@ -53,8 +53,8 @@ struct Known {
 enum Shown {
     /// Those from which it is moved.
     At([f64; 2]),
-    /// All, each with its weight.
-    By(Vec<f64>),
+    /// All, each with its weight: in one mean or, of the figure and of all else, in two.
+    By(Vec<Vec<f64>>),
 }
 
 /// Values at pairs of nodes `[figure][page]`, from 0 to `most`.
@@ -81,12 +81,13 @@ impl Irradiance {
         let (nodes, most) =
             if spreads { (nodes + if level.is_fine { 3 } else { 2 }, most.sqrt()) } else { (nodes, most) };
         let images = above.images()?;
-        let through_lobe = lobe.map(|lobe| lobe.weights(pixels.pitch_mm[0], cells, &is_figure, &seen));
+        let through_lobe =
+            lobe.map(|lobe| lobe.weights(pixels.pitch_mm[0], cells, &is_figure, &seen).to_vec());
         let share = is_figure.iter().filter(|own| **own).count() as f64 / cells.len() as f64;
         let known = |(number, returned): (usize, Return)| {
             let shown = match &through_lobe {
                 Some(weights) => images.first().map(|(_, fraction)| (weights.clone(), fraction.clone())),
-                None => above.seen_from(number, cells, &seen),
+                None => above.seen_from(number, cells, &seen).map(|(weights, part)| (vec![weights], part)),
             };
             let itself = match (&shown, images.first()) {
                 (None, Some((_, fraction))) if images.len() > 1 || spreads => Some(fraction.clone()),
@@ -99,7 +100,9 @@ impl Irradiance {
             let (solve, of_page) = (returned.solver(cells), returned.of_page());
             let at = |k: usize| most * k as f64 / (nodes - 1) as f64;
             let mut own = Vec::with_capacity(nodes * nodes);
-            let mut values_of_others = vec![Vec::with_capacity(nodes * nodes); others.len()];
+            let means = |shown: &Shown| if let Shown::By(weights) = shown { weights.len() } else { 1 };
+            let mut values_of_others: Vec<Vec<Vec<f64>>> =
+                others.iter().map(|(_, shown)| vec![Vec::new(); means(shown)]).collect();
             for number in 0..nodes * nodes {
                 let (figure, page) = (at(number / nodes), at(number % nodes));
                 // There is light inside a black figure, too: that of one that is almost black.
@@ -113,12 +116,15 @@ impl Irradiance {
                 let of_mean = of_mean(share, of_page, [figure, page]);
                 let light: Vec<f64> = rho.iter().zip(&irradiance).map(|(rho, e)| of_mean * rho * e).collect();
                 for ((_, shown), values) in others.iter().zip(&mut values_of_others) {
-                    values.push(match shown {
-                        Shown::At(at_mm) => mean(&moved(&light, cells, *at_mm)),
+                    match shown {
+                        Shown::At(at_mm) => values[0].push(mean(&moved(&light, cells, *at_mm))),
                         Shown::By(weights) => {
-                            weights.iter().zip(&light).map(|(weight, light)| weight * light).sum()
+                            for (weights, values) in weights.iter().zip(values) {
+                                let pairs = weights.iter().zip(&light);
+                                values.push(pairs.map(|(weight, light)| weight * light).sum());
+                            }
                         }
-                    });
+                    }
                 }
             }
             let table = |values| Table { most, nodes, values };
@@ -131,7 +137,7 @@ impl Irradiance {
                 others: others
                     .into_iter()
                     .map(|(part, _)| part)
-                    .zip(values_of_others.into_iter().map(table))
+                    .zip(values_of_others.into_iter().map(|means| means.into_iter().map(table).collect()))
                     .collect(),
                 share,
             }
@@ -141,8 +147,8 @@ impl Irradiance {
     }
 
     /// Colour of a figure on a page, from the light of pages and the reflectance of two states,
-    /// `[state][wavelength]`.
-    pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2]) -> Colour {
+    /// `[state][wavelength]`; `own_share` is that of the figure below a lobe.
+    pub(super) fn colour(&self, light: &[[&[f64]; 3]; 2], rho: [&[f64]; 2], own_share: f64) -> Colour {
         let mut sum = [0.0; 3];
         for Known { bins, of_page, spreads, own, itself, others, share } in &self.returns {
             for &bin in bins {
@@ -158,7 +164,11 @@ impl Irradiance {
                     continue;
                 }
                 let at = if *spreads { pair.map(f64::sqrt) } else { pair };
-                let others: f64 = others.iter().map(|(fraction, light)| fraction[bin] * light.at(at)).sum();
+                let mixed = |means: &[Table]| match means {
+                    [figure, rest] => own_share * figure.at(at) + (1.0 - own_share) * rest.at(at),
+                    means => means.iter().map(|light| light.at(at)).sum(),
+                };
+                let others: f64 = others.iter().map(|(fraction, light)| fraction[bin] * mixed(light)).sum();
                 let own = match spreads {
                     false => itself[bin] * pair[0] / own.at(at),
                     true => itself[bin] * at[0] * own.at(at),

@@ -2,9 +2,10 @@
 
 use papilio_colour::{GamutReference, UvPrime, Xyz, gamut_percent};
 
+use super::measure::Figures;
 use super::shares::{shares, with_error};
 use super::{BLACK, Colour, CrosstalkView, Figure, PatternColours, PatternValues, state};
-use crate::meter::{PRIMARIES, jackknife};
+use crate::meter::{PRIMARIES, STANDARD_ERRORS, jackknife};
 use crate::result::Named;
 use crate::setup::{Setup, ViewPoint};
 
@@ -25,10 +26,58 @@ pub(super) struct Measured {
     pub(super) from_faces: Colour,
 }
 
+/// Light of a level of adding, and the same with other errors.
+#[derive(Default)]
+pub(super) struct Levelled {
+    pub(super) found: Measured,
+    /// Of the sums over directions whose mean this light is; their jackknife is [`STANDARD_ERRORS`] of it.
+    pub(super) by_sum: Vec<Measured>,
+    /// With other chains of light that a front returns.
+    pub(super) by_other_chains: Option<Measured>,
+}
+
+impl Levelled {
+    /// The mean of sums that are the same but for their errors.
+    pub(super) fn of_sums(sums: &[Measured]) -> Self {
+        let Some((first, more)) = sums.split_first() else { return Self::default() };
+        let count = sums.len() as f64;
+        let mean = more.iter().enumerate().fold(first.with(first, |own, _| own), |mean, (before, one)| {
+            let part = 1.0 / (before + 2) as f64;
+            mean.with(one, |mean, one| mean + part * (one - mean))
+        });
+        // Without one of n, a mean is (mean - one)/(n - 1) away.
+        let away = STANDARD_ERRORS / (count - 1.0).max(1.0);
+        let of_sum = |one| mean.with(one, |mean, one| mean + away * (mean - one));
+        let by_sum = if more.is_empty() { Vec::new() } else { sums.iter().map(of_sum).collect() };
+        Self { found: mean, by_sum, by_other_chains: None }
+    }
+
+    /// Adds light that a front returns, of chains and of others.
+    pub(super) fn with_returned(self, [returned, other]: [&Measured; 2]) -> Self {
+        Self {
+            by_other_chains: Some(self.found.plus(other)),
+            by_sum: self.by_sum.iter().map(|one| one.plus(returned)).collect(),
+            found: self.found.plus(returned),
+        }
+    }
+}
+
+impl From<Measured> for Levelled {
+    fn from(found: Measured) -> Self {
+        Self { found, ..Self::default() }
+    }
+}
+
 impl Measured {
     /// The same, so many times as far from another level.
     pub(super) fn away(&self, from: &Self, factor: f64) -> Self {
         self.with(from, |own, from| from + factor * (own - from))
+    }
+
+    /// A figure of the same states without light.
+    pub(super) fn dark(&self, figure: Figure) -> Figures {
+        let figure = figure as usize;
+        (vec![[0.0; 3]; self.figures[figure].len()], self.beside[figure].map(|_| [0.0; 3]))
     }
 
     /// The sum with other light.

@@ -5,6 +5,7 @@ use papilio_transport::{Panel, Reflector, Top};
 
 use super::super::response::Lit;
 use super::super::{Level, Refused, below_layers, layered, patterns};
+use super::blurred::Strokes;
 use super::places::Windows;
 use super::surfaces::{Part, Surfaces};
 use super::{CrosstalkView, matrix, page, refined};
@@ -34,6 +35,7 @@ pub(super) struct Frame<'a> {
     /// State of the page.
     pub(super) page: usize,
     pub(super) text: Option<Bitmap>,
+    pub(super) strokes: Option<Strokes>,
 }
 
 impl<'a> Frame<'a> {
@@ -63,8 +65,13 @@ impl<'a> Frame<'a> {
                 parts.push(*part);
             }
         }
+        let text = patterns::bitmap(scene, text, matrix.pitch_mm);
         Ok(Self {
-            text: patterns::bitmap(scene, text, matrix.pitch_mm),
+            strokes: text
+                .as_ref()
+                .filter(|_| panel.is_some_and(|panel| !is_flat(panel)))
+                .and_then(Strokes::new),
+            text,
             windows: Windows::new(matrix),
             setup,
             control,
@@ -92,17 +99,13 @@ impl<'a> Frame<'a> {
                 (Level::digits_of_layers as Digits, finest, factor)
             }
         };
-        let level = |level: usize, is_other: bool| {
+        let level = |level: usize| {
             let most_per_mm = ORDERS * f64::from(1_u32 << level) / narrowest;
             let finer = level.saturating_sub(1) as u32;
-            Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_other, finer }
+            Level { digits: digits(level), most_per_mm, is_fine: level > 0, is_other: false, finer }
         };
-        let at = |number: usize| self.measure(view, level(number, false));
-        let other = |number: usize| {
-            let has_others = self.panel.is_some_and(|panel| matches!(panel.top, Top::Diffuser(_)));
-            has_others.then(|| self.measure(view, level(number, true))).transpose()
-        };
-        refined(self.setup, view, (finest, factor), (at, other), control)
+        let at = |number: usize| self.measure(view, level(number));
+        refined(self.setup, view, (finest, factor), at, control)
     }
 
     pub(super) fn lit<'l>(&'l self, panel: &'l Panel, view: &'l ViewPoint, level: Level) -> Lit<'l> {

@@ -3,6 +3,7 @@
 //! Below a lobe light is followed by direction (`blurred.rs`). Elsewhere figures have the irradiance that flat
 //! faces or general layers give them (`flat.rs`).
 
+use papilio_spectra::StateSpectra;
 use papilio_transport::ReflectanceFactor;
 
 use super::super::below_layers::Layers;
@@ -11,16 +12,42 @@ use super::super::response::{Lit, name_of_light};
 use super::super::{Level, Refused};
 use super::blurred::Blurred;
 use super::flat::{self, Irradiance, Pixels};
-use super::found::Measured;
+use super::found::{Levelled, Measured};
 use super::frame::{Frame, is_flat};
 use super::through_lobe::ThroughLobe;
 use super::{BLACK, Colour, Figure, PAGE, add, state};
 use crate::DisplayError;
 use crate::meter::Meter;
-use crate::setup::{SeenPart, ViewPoint, all_of};
+use crate::setup::{SeenPart, Setup, ViewPoint, all_of};
 
 /// Colours of a figure in each state, and of what is beside it; none without such a figure.
 pub(super) type Figures = (Vec<Colour>, Option<Colour>);
+
+/// Uniform pages through all orders, in all light.
+struct Pages {
+    /// `[state]`
+    colours: Vec<Colour>,
+    /// In X, Y and Z, `[state][wavelength]`.
+    by_wavelength: [Vec<f64>; 3],
+}
+
+impl Pages {
+    fn new(setup: &Setup) -> Self {
+        let (states, bins) = (setup.states.len(), setup.scene.grid.len());
+        Self { colours: vec![[0.0; 3]; states], by_wavelength: [0, 1, 2].map(|_| vec![0.0; states * bins]) }
+    }
+
+    /// Adds light of these weights in X, Y and Z.
+    fn add(&mut self, weights: &[Vec<f64>; 3], seen: &StateSpectra) {
+        for (state, page) in self.colours.iter_mut().enumerate() {
+            add(page, flat::colour(weights, seen.state(state)));
+        }
+        for (sum, weights) in self.by_wavelength.iter_mut().zip(weights) {
+            let light = seen.iter().enumerate().map(|(at, light)| weights[at % weights.len()] * light);
+            sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+        }
+    }
+}
 
 /// A direction of the field of view, or the view itself.
 enum Along {
@@ -52,7 +79,7 @@ fn directions(view: &ViewPoint, above: Above<'_>) -> Result<Vec<(Along, f64)>, D
 }
 
 impl Frame<'_> {
-    pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Measured, DisplayError> {
+    pub(super) fn measure(&self, view: &ViewPoint, level: Level) -> Result<Levelled, DisplayError> {
         let setup = self.setup;
         let layers = match self.panel {
             Some(_) => None,
@@ -64,19 +91,24 @@ impl Frame<'_> {
             (None, None) => return Err(Refused::Layers.into()),
         };
         let parts = setup.seen_in_parts(view, above.level_of_pages(), self.control)?;
-        // Below flat faces, light of s and of p is kept apart. Below a lobe, all of it counts as unpolarised.
-        if !self.panel.is_some_and(is_flat) {
-            return self.part(view, above, &all_of(parts));
+        match above {
+            // Below a lobe light is followed by direction, and all of it counts as unpolarised.
+            Above::Panel(lit) if !is_flat(lit.panel) => self.part_below_lobe(view, lit, &all_of(parts)),
+            // Below flat faces, light of s and of p is kept apart.
+            Above::Panel(_) => {
+                let each = parts.iter().map(|SeenPart { stack, factors }| {
+                    let own = stack.panel().map_or(above, |panel| Above::Panel(self.lit(panel, view, level)));
+                    self.part(view, own, factors)
+                });
+                let all = each.collect::<Result<Vec<_>, _>>()?;
+                Ok(all.into_iter().reduce(|sum, more| sum.plus(&more)).unwrap_or_default().into())
+            }
+            Above::Layers(_) => Ok(self.part(view, above, &all_of(parts))?.into()),
         }
-        let each = parts.iter().map(|SeenPart { stack, factors }| {
-            let own = stack.panel().map_or(above, |panel| Above::Panel(self.lit(panel, view, level)));
-            self.part(view, own, factors)
-        });
-        let all = each.collect::<Result<Vec<_>, _>>()?;
-        Ok(all.into_iter().reduce(|sum, more| sum.plus(&more)).unwrap_or_default())
     }
 
-    /// The same of a part of the light, given what is above the pixels, and what is seen, for this light.
+    /// What is seen of a part of the light where images of the pixels are sharp, given what is above them, and what is seen, for this
+    /// light.
     fn part(
         &self,
         view: &ViewPoint,
@@ -84,60 +116,96 @@ impl Frame<'_> {
         factors: &[ReflectanceFactor],
     ) -> Result<Measured, DisplayError> {
         let (setup, meter) = (self.setup, Meter::new(self.setup));
-        let (states, bins) = (setup.states.len(), setup.scene.grid.len());
-        let mut measured = Measured::default();
-        let (mut pages, mut below) = (vec![[0.0; 3]; states], None::<Blurred>);
-        // Below a lobe light is followed by direction.
-        let below_lobe = match above {
-            Above::Panel(lit) if !is_flat(lit.panel) => Some(lit),
-            Above::Panel(_) | Above::Layers(_) => None,
-        };
-        let is_mirror = |lit: Lit<'_>| lit.panel.base.is_specular();
-        let directions =
-            if below_lobe.is_some_and(is_mirror) { Vec::new() } else { directions(view, above)? };
+        let mut measured = Measured { from_faces: meter.without_pixel(factors), ..Measured::default() };
+        let directions = directions(view, above)?;
         let images = directions.iter().map(|(along, share)| Ok((along.above(above).images()?, *share)));
         let images = images.collect::<Result<Vec<_>, DisplayError>>()?;
-        // Light of each state and wavelength in X, Y and Z.
-        let mut by_wavelength = [0, 1, 2].map(|_| vec![0.0; states * bins]);
-        measured.from_faces = meter.without_pixel(factors);
+        let mut pages = Pages::new(setup);
+        for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
+            let factor = &factors[light.source];
+            measured.names.push(name_of_light(setup, light));
+            pages.add(&light.weights, &factor.via_pixel);
+            let page = factor.via_pixel.state(self.page);
+            measured.page.push(self.shares_of_images(&images, page, &light.weights[1]));
+        }
+        for figure in Figure::ALL {
+            let found = match figure {
+                Figure::Patch => (pages.colours.clone(), Some(pages.colours[self.page])),
+                _ => self.on_flat(figure, &pages, (above, &directions), &[None])?.swap_remove(0),
+            };
+            self.set(&mut measured, figure, found);
+        }
+        Ok(measured)
+    }
+
+    /// What is seen below a lobe, and what is seen, for all light.
+    fn part_below_lobe(
+        &self,
+        view: &ViewPoint,
+        lit: Lit<'_>,
+        factors: &[ReflectanceFactor],
+    ) -> Result<Levelled, DisplayError> {
+        let (setup, meter) = (self.setup, Meter::new(self.setup));
+        let mut names = Vec::new();
+        let mut pages = Pages::new(setup);
+        let mut below = None::<Blurred>;
+        // Light of the page, `[sum][light]`, and that of it which a front returns.
+        let mut of_sums: Vec<Vec<_>> = Vec::new();
+        let mut of_returned = [Vec::new(), Vec::new()];
         for light in meter.pixel_lights().iter().filter(|light| light.is_seen()) {
             let (weights, factor) = (&light.weights, &factors[light.source]);
-            measured.names.push(name_of_light(setup, light));
-            for (state, page) in pages.iter_mut().enumerate() {
-                add(page, flat::colour(weights, factor.via_pixel.state(state)));
+            names.push(name_of_light(setup, light));
+            pages.add(weights, &factor.via_pixel);
+            let more = self.below_lobe(lit, &setup.sources[light.source], weights, &factor.via_pixel)?;
+            of_sums.resize(more.sums.len(), Vec::new());
+            for (of_sum, sum) in of_sums.iter_mut().zip(&more.sums) {
+                of_sum.push(sum.gathered.page.clone());
             }
-            for (sum, weights) in by_wavelength.iter_mut().zip(weights) {
-                let light = factor.via_pixel.iter().enumerate().map(|(at, light)| weights[at % bins] * light);
-                sum.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
+            for (of_returned, returned) in of_returned.iter_mut().zip(more.returned.iter().flatten()) {
+                of_returned.push(returned.page.clone());
             }
-            let Some(lit) = below_lobe else {
-                let page = factor.via_pixel.state(self.page);
-                measured.page.push(self.shares_of_images(&images, page, &weights[1]));
-                continue;
-            };
-            let source = &setup.sources[light.source];
-            let more = self.below_lobe(lit, source, weights, &factor.via_pixel)?;
-            measured.page.push(more.once.page.clone());
             match &mut below {
                 Some(sum) => sum.add(&more),
                 None => below = Some(more),
             }
         }
+        let Some(Blurred { sums, returned }) = &below else { return Ok(Levelled::default()) };
+        let from_faces = meter.without_pixel(factors);
+        let measured = |page| Measured { names: names.clone(), page, from_faces, ..Measured::default() };
+        let mut all: Vec<Measured> = of_sums.into_iter().map(measured).collect();
         // Lambertian pixels below a lobe have the irradiance of flat ones.
-        let is_lit_again = below_lobe.is_some_and(|lit| lit.returns() && !is_mirror(lit));
+        let is_lit_again = lit.returns() && !lit.panel.base.is_specular();
+        let of_all_orders = returned.is_none().then_some(&pages.colours[..]);
         for figure in Figure::ALL {
-            let (colours, beside) = match (&below, figure) {
-                (Some(below), _) if !is_lit_again => self.blurred(figure, &pages, below),
-                (_, Figure::Patch) => (pages.clone(), Some(pages[self.page])),
-                _ => {
-                    let own = below.as_ref().and_then(|below| self.own_share(figure, below));
-                    self.on_flat(figure, &pages, &by_wavelength, (above, &directions, own))?
-                }
+            let found: Vec<Figures> = if is_lit_again && figure != Figure::Patch {
+                let own: Vec<_> = sums.iter().map(|once| self.own_share(figure, once)).collect();
+                let directions = directions(view, Above::Panel(lit))?;
+                self.on_flat(figure, &pages, (Above::Panel(lit), &directions), &own)?
+            } else {
+                sums.iter().map(|once| self.blurred(figure, of_all_orders, once)).collect()
             };
-            measured.figures[figure as usize] = colours;
-            measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
+            for (measured, found) in all.iter_mut().zip(found) {
+                self.set(measured, figure, found);
+            }
         }
-        Ok(measured)
+        let all = Levelled::of_sums(&all);
+        let Some(returned) = returned else { return Ok(all) };
+        let of_returned = [0, 1].map(|k| {
+            let mut more = Measured { page: std::mem::take(&mut of_returned[k]), ..Measured::default() };
+            for figure in Figure::ALL {
+                let mut found = all.found.dark(figure);
+                returned[k].add_to(figure, &mut found, self.page);
+                self.set(&mut more, figure, found);
+            }
+            more
+        });
+        Ok(all.with_returned(of_returned.each_ref()))
+    }
+
+    /// Sets the colours of a figure.
+    fn set(&self, measured: &mut Measured, figure: Figure, (colours, beside): Figures) {
+        measured.figures[figure as usize] = colours;
+        measured.beside[figure as usize] = beside.filter(|_| state(self.setup, PAGE).is_some());
     }
 
     /// Light of the page by window and sub-pixel, where images of the pixels are sharp. Pixels that no image
@@ -185,12 +253,12 @@ impl Frame<'_> {
     }
 
     /// Reflectance of the states in the direction of the view, `[state][wavelength]`, and the irradiance of a
-    /// figure; `None` without such a figure. `own`: the fraction of the light of the figure that is its own, below a lobe.
+    /// figure; `None` without such a figure. Of a figure below a lobe, `is_blurred`, other light than its own is seen, too.
     fn irradiance(
         &self,
         figure: Figure,
         above: Above<'_>,
-        own: Option<f64>,
+        is_blurred: bool,
     ) -> Result<(Vec<f64>, Option<Irradiance>), DisplayError> {
         let mut rho = vec![0.0; self.setup.states.len() * self.setup.scene.grid.len()];
         let base = self.setup.stack.base();
@@ -203,8 +271,8 @@ impl Frame<'_> {
         }
         let pixels = Pixels { pitch_mm: self.matrix.pitch_mm, text: self.text.as_ref() };
         let most = rho.iter().copied().fold(0.0, f64::max);
-        let lobe = match (above, own) {
-            (Above::Panel(lit), Some(own)) => Some(ThroughLobe::new(lit, own)?),
+        let lobe = match above {
+            Above::Panel(lit) if is_blurred => Some(ThroughLobe::new(lit)?),
             _ => None,
         };
         let irradiance = Irradiance::new(above, &pixels, (figure, lobe), most)?;
@@ -212,33 +280,37 @@ impl Frame<'_> {
     }
 
     /// Colours of figures under flat faces or general layers, through all orders: the mean of the directions of
-    /// the field of view.
+    /// the field of view. One for each of `own`: the fraction of the light of the figure that is its own, below a lobe.
     fn on_flat(
         &self,
         figure: Figure,
-        pages: &[Colour],
-        by_wavelength: &[Vec<f64>; 3],
-        (above, directions, own): (Above<'_>, &[(Along, f64)], Option<f64>),
-    ) -> Result<Figures, DisplayError> {
+        pages: &Pages,
+        (above, directions): (Above<'_>, &[(Along, f64)]),
+        own: &[Option<f64>],
+    ) -> Result<Vec<Figures>, DisplayError> {
         let mut all = Vec::with_capacity(directions.len());
+        let is_blurred = own.iter().any(Option::is_some);
         for (along, share) in directions {
             self.control.check()?;
-            let (rho, irradiance) = self.irradiance(figure, along.above(above), own)?;
-            let Some(irradiance) = irradiance else { return Ok((Vec::new(), None)) };
+            let (rho, irradiance) = self.irradiance(figure, along.above(above), is_blurred)?;
+            let Some(irradiance) = irradiance else { return Ok(vec![(Vec::new(), None); own.len()]) };
             all.push((rho, irradiance, *share));
         }
         let bins = self.setup.scene.grid.len();
-        let light = |state: usize| by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
-        let on = |own: usize, page: usize| {
-            let mut sum = [0.0; 3];
-            for (rho, irradiance, share) in &all {
-                let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
-                let colour = irradiance.colour(&[light(own), light(page)], rho);
-                add(&mut sum, colour.map(|value| share * value));
-            }
-            sum
+        let light = |state: usize| pages.by_wavelength.each_ref().map(|light| &light[state * bins..][..bins]);
+        let figures = |own_share: &Option<f64>| {
+            let on = |own: usize, page: usize| {
+                let mut sum = [0.0; 3];
+                for (rho, irradiance, share) in &all {
+                    let rho = [own, page].map(|state| &rho[state * bins..][..bins]);
+                    let colour = irradiance.colour(&[light(own), light(page)], rho, own_share.unwrap_or(1.0));
+                    add(&mut sum, colour.map(|value| share * value));
+                }
+                sum
+            };
+            self.figures(figure, &pages.colours, on)
         };
-        Ok(self.figures(figure, pages, on))
+        Ok(own.iter().map(figures).collect())
     }
 
     /// Colours of a figure in each state on the page, and of what is beside it, given those of one state on

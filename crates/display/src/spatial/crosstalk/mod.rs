@@ -1,7 +1,7 @@
 //! `papilio crosstalk`: which sub-pixel lights which, and the colours and contrast of fine figures.
 //!
 //! By adding every number is computed at two levels of discretisation; the finer one is the result, the
-//! difference its error. By Monte Carlo (`paths`) errors are standard errors.
+//! difference its error, or the scatter of its sums if that is larger. By Monte Carlo (`paths`) errors are standard errors.
 
 mod blurred;
 mod filter;
@@ -17,7 +17,7 @@ mod shares;
 mod surfaces;
 mod through_lobe;
 
-use self::found::{Measured, assembled};
+use self::found::{Levelled, Measured, assembled};
 use self::frame::Frame;
 pub use self::result::{CrosstalkResult, CrosstalkView, Figure, PatternColours, PatternValues, Shares};
 use super::target::{self, missed_target};
@@ -98,28 +98,30 @@ fn result(
     })
 }
 
-/// Refines a view. `factor`: error of a level over its difference from the one before. `other`: a level with other sums over points,
-/// if there are any.
+/// Refines a view. `factor`: error of a level over its difference from the one before.
 fn refined(
     setup: &Setup,
     view: &ViewPoint,
     (finest, factor): (usize, f64),
-    (at, other): (
-        impl FnMut(usize) -> Result<Measured, DisplayError>,
-        impl Fn(usize) -> Result<Option<Measured>, DisplayError>,
-    ),
+    at: impl FnMut(usize) -> Result<Levelled, DisplayError>,
     control: &Control<'_>,
 ) -> Result<CrosstalkView, DisplayError> {
-    let of = |[fine, coarse]: [&Measured; 2]| match factor {
-        1.0 => assembled(setup, view, fine, &[coarse]),
-        factor => assembled(setup, view, fine, &[&coarse.away(fine, factor)]),
+    let of = |[fine, coarse]: [&Levelled; 2]| {
+        let against = |others: &[&Measured]| assembled(setup, view, &fine.found, others);
+        let mut seen = match factor {
+            1.0 => against(&[&coarse.found]),
+            factor => against(&[&coarse.found.away(&fine.found, factor)]),
+        };
+        if !fine.by_sum.is_empty() {
+            seen.widen_errors(&against(&fine.by_sum.iter().collect::<Vec<_>>()));
+        }
+        if let Some(other) = &fine.by_other_chains {
+            seen.widen_errors(&against(&[other]));
+        }
+        seen
     };
     let found = target::refined(setup, finest, at, |levels| largest_error(&of(levels)).1, control)?;
-    let mut seen = of([&found.finer, &found.coarser]);
-    if let Some(other) = other(found.level)? {
-        seen.widen_errors(&of([&found.finer, &other]));
-    }
-    Ok(seen)
+    Ok(of([&found.finer, &found.coarser]))
 }
 
 /// Returns the number with the largest error, and this error: of the shares, or a relative one of a contrast

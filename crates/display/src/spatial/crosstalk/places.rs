@@ -2,7 +2,7 @@
 //!
 //! A direction that a view sees shows the pixels, shifted by a vector: what a window or a pixel shows of
 //! another is the area that they share. Areas are exact; only the directions are a sum. Areas have kinks where borders meet:
-//! the sum over other directions tells the error that they cause.
+//! the scatter of several sums over other directions tells the error that they cause, and their mean is the result.
 
 use std::collections::BTreeMap;
 
@@ -85,27 +85,26 @@ impl Windows {
     }
 }
 
-/// Sums what is seen along all directions of a spread of the surfaces `base`, and the colours of pages of
-/// each state of `pages`. `weights` are those of the light at each wavelength in
-/// X, Y and Z. The sum is over other directions if `is_other`.
+/// Sums what is seen along the directions of a spread of the surfaces `base`, and the colours of pages of each state of `pages`, in
+/// several sums over other directions. `weights` are those of the light at each wavelength in X, Y and Z.
 pub(super) fn gather(
-    (spread, is_other): (&PanelSpread, bool),
+    spread: &PanelSpread,
     ([base, pages], medium): ([&Base; 2], &Medium),
     weights: &[Vec<f64>; 3],
     windows: &Windows,
     wanted: &Wanted<'_>,
-) -> (Gathered, Vec<Colour>) {
+) -> Vec<(Gathered, Vec<Colour>)> {
     let (count, parts) = (windows.all.len(), wanted.parts.len());
-    let mut sums = Gathered {
+    let nothing = Gathered {
         page: vec![vec![0.0; count + 1]; count],
         stripes: vec![[0.0; 3]; parts],
         line: vec![[0.0; 3]; parts],
         near: vec![[0.0; 3]; SIDE * SIDE * parts],
         far: BTreeMap::new(),
     };
+    let mut all = vec![(nothing, vec![[0.0; 3]; pages.states()]); Directions::SUMS];
     let mut lights = vec![[0.0; 3]; base.states()];
     let (mut of_surfaces, mut of_pages) = (vec![0.0; base.states()], vec![0.0; pages.states()]);
-    let mut colours = vec![[0.0; 3]; pages.states()];
     let mut areas = vec![0.0; count + 1];
     let mut known = None::<([[Curves; 2]; 3], &Directions)>;
     for directions in spread.parts() {
@@ -117,23 +116,25 @@ pub(super) fn gather(
         // Pixels about the place where these directions show each at its own.
         let about = directions.moved_mm();
         let about = about.map(|at_mm| [0, 1].map(|k| (-at_mm[k] / windows.pitch_mm[k]).round() as i64));
-        directions.each_sample_of(is_other, |sample| {
-            let beta_squared = sample.beta.squared();
-            for (k, [curves, pages]) in curves.iter().enumerate() {
-                curves.at(beta_squared, &mut of_surfaces);
-                let pairs = lights.iter_mut().zip(&of_surfaces);
-                pairs.for_each(|(light, value)| light[k] = sample.weight * value);
-                pages.at(beta_squared, &mut of_pages);
-                let pairs = colours.iter_mut().zip(&of_pages);
-                pairs.for_each(|(colour, value)| colour[k] += sample.weight * value);
-            }
-            let shift = [0, 1].map(|k| -sample.place_mm[k] / windows.pitch_mm[k]);
-            sums.add_page(windows, shift, &lights, wanted.page);
-            sums.add_pixels(windows, (shift, about), &lights, wanted.parts, &mut areas);
-        });
+        for (number, (sums, colours)) in all.iter_mut().enumerate() {
+            directions.each_sample_of(Some(number), |sample| {
+                let beta_squared = sample.beta.squared();
+                for (k, [curves, pages]) in curves.iter().enumerate() {
+                    curves.at(beta_squared, &mut of_surfaces);
+                    let pairs = lights.iter_mut().zip(&of_surfaces);
+                    pairs.for_each(|(light, value)| light[k] = sample.weight * value);
+                    pages.at(beta_squared, &mut of_pages);
+                    let pairs = colours.iter_mut().zip(&of_pages);
+                    pairs.for_each(|(colour, value)| colour[k] += sample.weight * value);
+                }
+                let shift = [0, 1].map(|k| -sample.place_mm[k] / windows.pitch_mm[k]);
+                sums.add_page(windows, shift, &lights, wanted.page);
+                sums.add_pixels(windows, (shift, about), &lights, wanted.parts, &mut areas);
+            });
+        }
         known = Some((curves, directions));
     }
-    (sums, colours)
+    all
 }
 
 fn colour_curves(directions: &Directions, (base, medium): (&Base, &Medium), weights: &[f64]) -> Curves {

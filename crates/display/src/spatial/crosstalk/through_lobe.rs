@@ -24,32 +24,30 @@ pub(super) struct ThroughLobe {
     state: usize,
     /// Light of this state.
     all: f64,
-    /// Fraction of the light of the figure that is its own, on a page of the same state.
-    own: f64,
 }
 
 impl ThroughLobe {
-    /// Prepares what is seen of a figure of which the fraction `own` of its light is its own.
+    /// Prepares what is seen of figures.
     ///
     /// # Errors
     /// If the panel is not covered.
-    pub(super) fn new(lit: Lit<'_>, own: f64) -> Result<Self, DisplayError> {
+    pub(super) fn new(lit: Lit<'_>) -> Result<Self, DisplayError> {
         let once = lobe::response(lit, &Source::Diffuse, &vec![1.0; lit.panel.base.bins()])?;
         let light = once.transfer(0, 0.0);
         let brightest = light.iter().enumerate().max_by(|a, b| a.1.re.total_cmp(&b.1.re));
         let (state, all) = brightest.map_or((0, 0.0), |(state, light)| (state, light.re));
-        Ok(Self { once, state, all, own })
+        Ok(Self { once, state, all })
     }
 
-    /// How much the light of each cell counts in the mean of what the view sees at some cells. Those of a figure count as `own` says,
-    /// so that only the places within it are those of cells.
+    /// How much the light of each cell of a figure counts in the mean of its light that the view sees at some cells, and that of each
+    /// other cell in the mean of all other light. How much of all is the figure's own does not come from cells.
     pub(super) fn weights(
         &self,
         pitch_mm: f64,
         cells: Cells,
         is_figure: &[bool],
         seen: &[usize],
-    ) -> Vec<f64> {
+    ) -> [Vec<f64>; 2] {
         let mut mean = vec![Complex64::ZERO; cells.len()];
         seen.iter().for_each(|cell| mean[*cell] = (1.0 / seen.len() as f64).into());
         let plane = Plane::new(cells.count);
@@ -58,16 +56,12 @@ impl ThroughLobe {
         // From the place that is seen back to where light comes from.
         let pairs = plane.forward(mean).into_iter().zip(plane.forward(kernel));
         let spectrum = pairs.map(|(seen, kernel)| each * seen * kernel.conj()).collect();
-        let mut weights: Vec<f64> = plane.inverse(spectrum).into_iter().map(|weight| weight.re).collect();
-        let sum = |of: bool| {
-            let some = weights.iter().zip(is_figure).filter(|(_, figure)| **figure == of);
-            some.map(|(weight, _)| weight).sum::<f64>()
-        };
-        let factor = |part: f64, sum: f64| if sum > 0.0 { part / sum } else { 0.0 };
-        let [own, page] = [factor(self.own, sum(true)), factor(1.0 - self.own, sum(false))];
-        let pairs = weights.iter_mut().zip(is_figure);
-        pairs.for_each(|(weight, figure)| *weight *= if *figure { own } else { page });
-        weights
+        let weights: Vec<f64> = plane.inverse(spectrum).into_iter().map(|weight| weight.re).collect();
+        [true, false].map(|of| {
+            let pairs = || weights.iter().zip(is_figure).map(|(weight, figure)| (weight, *figure == of));
+            let sum: f64 = pairs().filter(|(_, is_of)| *is_of).map(|(weight, _)| weight).sum();
+            pairs().map(|(weight, is_of)| if is_of && sum > 0.0 { weight / sum } else { 0.0 }).collect()
+        })
     }
 
     /// The bins between these edges that have all light but a faint part at either end.

@@ -29,7 +29,7 @@ use std::sync::Arc;
 
 use papilio_optics::Beta;
 
-use super::spread::Pair;
+use super::spread::{Directions, Pair, SUMS};
 use super::{Accuracy, FrontWays, Image, PointSpread, Sample};
 use crate::light::cone_points::Point;
 use crate::{Cone, Panel, Reflector, Source, Top};
@@ -56,15 +56,20 @@ impl Part {
         self.index
     }
 
+    /// Number of sums over other directions.
+    pub const SUMS: usize = SUMS;
+
     /// Calls `each` with all that is seen, for a pixel that reflects everything and layers that transmit
     /// everything. Samples are not stored: of lobes much narrower than a source there are millions.
     pub fn each_sample(&self, each: impl FnMut(Sample)) {
-        self.each_sample_of(false, each);
+        self.each_sample_of(None, each);
     }
 
-    /// Calls `each` with the same light at other directions, if `is_other`. Two sums of a function with kinks, such as an area of
-    /// a pixel at the place that is seen, differ by their errors.
-    pub fn each_sample_of(&self, is_other: bool, mut each: impl FnMut(Sample)) {
+    /// Calls `each` with the same light at the directions of a sum of this number, below [`SUMS`](Self::SUMS). Sums of a function with
+    /// kinks, such as an area of a pixel at the place that is seen, scatter by their errors; together they have about as many
+    /// directions as [`each_sample`](Self::each_sample), and their mean is the result. `None` stands for all directions.
+    pub fn each_sample_of(&self, sum: Option<usize>, mut each: impl FnMut(Sample)) {
+        let directions = sum.map_or(Directions::Whole, Directions::Sum);
         self.images.iter().copied().for_each(&mut each);
         if let Some(Moved { pair, by_mm, part, digits_less }) = &self.pair {
             let digits = (pair.accuracy.digits - digits_less).max(FEWEST_DIGITS.min(pair.accuracy.digits));
@@ -72,7 +77,7 @@ impl Part {
             if *digits_less > 0.0 {
                 pair.to_mut().accuracy.digits = digits;
             }
-            pair.each_scattered(is_other, &mut |sample: Sample| {
+            pair.each_scattered(directions, &mut |sample: Sample| {
                 let place_mm = [0, 1].map(|k| sample.place_mm[k] + by_mm[k]);
                 each(Sample { place_mm, weight: part * sample.weight, ..sample });
             });

@@ -32,6 +32,7 @@ use papilio_optics::Beta;
 
 pub(super) use self::field::FieldLight;
 pub(super) use self::pair::Pair;
+pub(super) use self::rule::{Directions, SUMS};
 use super::{Image, PointSpread};
 use crate::Diffuser;
 use crate::light::cone_points::Point;
@@ -138,7 +139,7 @@ impl Spread {
     pub(super) fn of(pair: Pair) -> Self {
         let mut samples = pair.sharp();
         let sharp = samples.len();
-        pair.each_scattered(false, &mut |sample| samples.push(sample));
+        pair.each_scattered(Directions::Whole, &mut |sample| samples.push(sample));
         Self { pair, samples, sharp }
     }
 

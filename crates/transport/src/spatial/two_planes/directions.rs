@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use papilio_optics::Beta;
 use papilio_optics::lobe::Lobe;
 
-use crate::numerics::quadrature::{Node, Pole, gauss, radial};
+use super::super::spread::SUMS;
+use crate::numerics::quadrature::{Node, Pole, gauss, radial_with};
 use crate::{Diffuser, Field};
 
 /// A direction of propagation and its part of the light.
@@ -58,16 +59,29 @@ pub fn diffuse_directions(level: u32, passes: impl Fn(f64) -> f64) -> Vec<Direct
     all
 }
 
-/// Directions in a medium of diffuse light below a diffuser, or of light that leaves through it.
-pub fn diffused_directions(diffuser: &Diffuser, index: f64, level: u32) -> Vec<Direction> {
+/// Azimuths of a quadrant of the light below a diffuser at level 0, in all sums: of uniform light, and of that of a field, which each
+/// sum resolves.
+const DIFFUSED: usize = 24;
+const DIFFUSED_OF_FIELD: usize = 48;
+
+/// Directions in a medium of diffuse light below a diffuser, or of light that leaves through it: those of a sum of this number,
+/// below [`Part::SUMS`](super::super::Part::SUMS). Areas of windows have kinks, whose errors scatter from sum to sum.
+pub fn diffused_directions(diffuser: &Diffuser, index: f64, level: u32, sum: usize) -> Vec<Direction> {
+    diffused(diffuser, index, (level, sum), DIFFUSED)
+}
+
+fn diffused(diffuser: &Diffuser, index: f64, (level, sum): (u32, usize), azimuths: usize) -> Vec<Direction> {
     let Diffuser { lobe, regular_fraction, .. } = diffuser;
     let width = if let Lobe::KCorrelation { width } = lobe { *width } else { 1.0 };
+    let digits = 6.0 + 3.0 * f64::from(level);
+    let more = sum as isize - 1;
+    let azimuths = ((azimuths << level) / SUMS).saturating_add_signed(more);
     let mut all = Vec::new();
-    for node in radial(index, &[1.0], &[Pole { at: 1.0, off: width }], 6.0 + 3.0 * f64::from(level)) {
+    for node in radial_with(index, (&[1.0], &[Pole { at: 1.0, off: width }]), digits, more) {
         let straight = if node.x < 1.0 { *regular_fraction } else { 0.0 };
         let leaves = straight + (1.0 - regular_fraction) * lobe.fraction_in_disc(node.x, 1.0);
-        let ring = Ring { beta: node.x, weight: 1.0, air_mm: 0.0, is_far: false, azimuths: 24 << level };
-        let points = azimuths(&ring, false);
+        let ring = Ring { beta: node.x, weight: 1.0, air_mm: 0.0, is_far: false, azimuths };
+        let points = self::azimuths(&ring, false);
         all.extend(points.map(|(beta, share)| Direction { beta, weight: leaves * node.weight * share }));
     }
     all
@@ -79,6 +93,7 @@ pub fn diffused_directions_of_field(
     field: &Field,
     index: f64,
     level: u32,
+    sum: usize,
 ) -> Vec<Direction> {
     let Diffuser { lobe, regular_fraction, .. } = diffuser;
     let count = 12 << level;
@@ -90,7 +105,7 @@ pub fn diffused_directions_of_field(
         scattered.sum::<f64>() / (count * count) as f64
     };
     let leaves = |beta: Beta| regular_fraction * light(beta) + (1.0 - regular_fraction) * around(beta);
-    let all = diffused_directions(diffuser, index, level);
+    let all = diffused(diffuser, index, (level, sum), DIFFUSED_OF_FIELD);
     // Of uniform light, each direction has its own part of the lobe.
     let uniform = |beta: Beta| {
         let straight = if beta.squared() < 1.0 { *regular_fraction } else { 0.0 };

@@ -260,14 +260,14 @@ type Limits = (f64, usize);
 
 impl TwoPlanes {
     /// What is seen of mirror-like pixels, as reflectance factors: `spread` is that of the view and the light
-    /// by direction. A higher `level` is finer.
+    /// by direction, of all directions or those of a sum. A higher `level` is finer.
     ///
     /// # Errors
     /// If several components of the front reflect at different heights.
     pub fn mirrored(
         &self,
         panel: &Panel,
-        spread: &PanelSpread,
+        (spread, sum): (&PanelSpread, Option<usize>),
         asked: &Asked<'_>,
         level: u32,
     ) -> Result<Shown, SpreadError> {
@@ -284,7 +284,7 @@ impl TwoPlanes {
             if lit.is_empty() {
                 continue;
             }
-            part.each_sample(|sample| {
+            part.each_sample_of(sum, |sample| {
                 let squared = sample.beta.squared();
                 let passes = self.oblique(squared.sqrt(), part.index());
                 let passes: Vec<f64> =
