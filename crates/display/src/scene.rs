@@ -46,8 +46,8 @@ pub struct Scene {
     pub metrics: Metrics,
     /// Solver and accuracy.
     pub solver: Solver,
-    /// Errors of X, Y and Z of each state, relative to a perfect white, because films or liquid crystals below flat layers
-    /// change within a step of the grid; empty: none.
+    /// Errors of X, Y and Z of each state, relative to a perfect white, because films or liquid crystals change within a step of the
+    /// grid, as below flat layers; empty: none.
     pub unresolved: Vec<[f64; 3]>,
     /// What tabulated spectra of the display change within a step of the grid; `None`: nothing.
     pub within_step: Option<Arc<WithinStep>>,

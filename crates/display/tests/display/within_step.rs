@@ -183,3 +183,39 @@ fn interpolation_error_contains_narrow_resonances_of_film_pixels() {
         }
     }
 }
+
+/// Thick films and liquid crystals below a diffuser, whose fringes are as narrow as a step: the warning's error, an upper bound where light of many
+/// directions is averaged, is stated. Without it, the errors of the film were a hundredth of the difference from small steps.
+#[test]
+fn interpolation_error_contains_fringes_below_diffusers() {
+    let film = "[display.pixel]\nmodel = \"film\"\nsubstrate = \"Al\"\narea = { red = 1.0, green = 0.0, blue = 0.0 }\n\
+                gap_nm = { red = 300, green = 200, blue = 150, dark = 20 }\nfilm = [{ material = \"Si3N4\", thickness_nm = 50 }, \
+                { material = \"Cr:Johnson\", thickness_nm = 9 }, { material = \"SiO2\", thickness_nm = 1500 }, \
+                { material = \"air\", thickness_nm = \"gap\" }]\n";
+    let crystal = "[display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Ag\"\nstack = [{ kind = \"polariser\", axis_deg = 47, transmittance = 0.43 }, \
+                   { kind = \"retarder\", axis_deg = 147, retardance_nm = 183, dispersion = 0.98 }, \
+                   { kind = \"cell\", gap_um = 4.6, n_o = 1.5, n_e = 1.588, rub_deg = 10, states = { white = { tilt_deg = 24 } } }]\n";
+    for pixel in [film, crystal] {
+        for width in [0.02, 0.1] {
+            let run = |step_nm: u32| {
+                let text = format!(
+                    "title = \"fringes\"\n[spectrum]\nrange_nm = [480, 640]\nstep_nm = {step_nm}\n\
+                     [display.diffuser]\nmodel = \"k-correlation\"\nwidth = {width}\ntransmittance = 0.9\n[display.glass]\nindex = 1.5\n{pixel}\
+                     [lighting]\nspectrum = \"E\"\ndiffuse = 1\n[viewer]\ntheta_deg = [0, 40]\n"
+                );
+                let scenario = Scenario::from_text(&text, "fringes.toml", Path::new(""), &[]).unwrap();
+                crate::common::run(&scenario.resolve().unwrap_or_else(|error| panic!("{error}")).scene)
+                    .unwrap()
+            };
+            let (coarse, fine) = (run(20), run(2));
+            for (coarse, fine) in coarse.views.iter().zip(&fine.views) {
+                let (coarse, fine) = (coarse.states.get("white").unwrap(), fine.states.get("white").unwrap());
+                let XyzError { X, Y, Z } = coarse.interpolation_error.unwrap();
+                let (a, b) = (&coarse.value, &fine.value);
+                for (stated, off) in [(X, a.X - b.X), (Y, a.Y - b.Y), (Z, a.Z - b.Z)] {
+                    assert!(stated > off.abs() - 5e-5, "width {width}: {stated} {off}, {pixel}");
+                }
+            }
+        }
+    }
+}

@@ -58,9 +58,9 @@ struct FilmStack<'a> {
 
 impl Resolver<'_> {
     /// Warns of the film with the largest colour error due to the wavelength grid, if there is one, and of a liquid crystal. Returns the errors
-    /// of each state that flat layers do not average over angle.
+    /// of each state below flat layers. Scatterers average them over angle: there, they are upper bounds, and returned if there is a warning.
     pub(super) fn warn_of_fringes(&mut self, scene: &Scene, judge: &Judge) -> Vec<[f64; 3]> {
-        let grid = &scene.grid;
+        let (grid, warnings_before) = (&scene.grid, self.warnings.len());
         let mut of_states = self.warn_of_crystal(scene, judge);
         let inclinations = inclinations(scene);
         let is_close = |film: &FilmStack<'_>| film.spacing_nm(grid) < ENOUGH_PER_FRINGE * grid.step_nm();
@@ -75,8 +75,8 @@ impl Resolver<'_> {
             .collect();
         if let Pixel::Film(pixel) = &scene.display.pixel {
             of_states = vec![[0.0; 3]; pixel.states.len()];
-            // Each view sees light of its own inclination.
-            for at in inclinations.iter().filter(|at| is_seen(scene, at)) {
+            // Below flat layers, each view sees light of its own inclination.
+            for at in inclinations.iter().filter(|at| !is_flat || is_seen(scene, at)) {
                 let of_pixel = films.iter().filter(|(film, _)| film.is_pixel);
                 let of_gaps: Vec<(f64, [f64; 3])> = of_pixel
                     .filter_map(|(film, _)| {
@@ -120,7 +120,7 @@ impl Resolver<'_> {
                 largest(errors.xyz),
             ));
         }
-        if !is_flat {
+        if !is_flat && self.warnings.len() == warnings_before {
             return Vec::new();
         }
         // Coatings, through which all states are seen.
