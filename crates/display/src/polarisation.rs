@@ -21,7 +21,6 @@
 
 use std::ops::Range;
 
-use papilio_colour::Observer;
 use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
@@ -264,12 +263,11 @@ pub(crate) fn view(
         return Ok(Some(PolarisedView { seen, followed: Followed::Rays }));
     }
     let top = if is_kept { None } else { top(scene, stack, asked.weights())? };
-    let visible = visible(scene);
     let of = |(source, vibration): (&Source, &Option<Vibration>)| {
         let vibration = (*vibration)?;
         match is_kept {
             true => PolarisedLight::kept(source, vibration.times(left(scene))),
-            false => PolarisedLight::above(source, vibration, top.as_ref(), &visible),
+            false => PolarisedLight::above(source, vibration, top.as_ref(), scene.grid.len()),
         }
     };
     let lights = sources.iter().zip(&asked.vibrations).map(of).collect();
@@ -356,15 +354,6 @@ fn top(scene: &Scene, stack: &Stack, weights: [f64; 2]) -> Result<Option<Top>, D
     let Some(below) = media.pop() else { return Ok(None) };
     let run = FlatRun::new([own(Polarisation::S)?, own(Polarisation::P)?], media);
     Ok(Some(Top::new(run, below, weights)))
-}
-
-/// V(lambda) on the scene's grid; 1 where nothing is visible.
-fn visible(scene: &Scene) -> Spectrum {
-    let v = Observer::new(&scene.grid).map(|observer| observer.weights()[1].to_vec());
-    match v {
-        Ok(v) if v.iter().any(|v| *v > 0.0) => v.into(),
-        _ => Spectrum::constant(&scene.grid, 1.0),
-    }
 }
 
 /// Returns whether s and p are kept apart where they meet the pixel.

@@ -60,6 +60,13 @@ impl ReflectanceFactor {
         Self { via_pixel: mixed(&self.via_pixel, &other.via_pixel, weights), front: front.collect() }
     }
 
+    /// Multiplies it by a factor of each wavelength.
+    pub(crate) fn scale(&mut self, factor: &[f64]) {
+        let bins = factor.len();
+        self.via_pixel.iter_mut().enumerate().for_each(|(k, value)| *value *= factor[k % bins]);
+        self.front.iter_mut().zip(factor).for_each(|(value, factor)| *value *= factor);
+    }
+
     /// Adds another one, times a weight.
     pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         let add = |sum: &mut [f64], values: &[f64]| {

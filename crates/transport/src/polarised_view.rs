@@ -15,13 +15,12 @@
 //! their mean. What the top mirrors, `f_s R_s + f_p R_p`, replaces what the unpolarised light would show: it
 //! alone needs the direction of both, and is summed over the mirror images in the view.
 //!
-//! For a directed source g is that of its centre, at each wavelength; for light from many directions it is that of each
-//! direction, with the mean over wavelengths of (T_s - T_p)/(T_s + T_p), weighted by V(lambda).
+//! For a directed source g is that of its centre, at each wavelength. For light from many directions it is that of each
+//! direction, `1 + (f_s - f_p) D` with `D = (T_s - T_p)/(T_s + T_p)`, which changes with wavelength where the top is a
+//! coating: sources with the D of few wavelengths, [`anchors`], are combined to that of each other one.
 
 use std::borrow::Cow;
 use std::sync::Arc;
-
-use papilio_spectra::Spectrum;
 
 use crate::front::Flat;
 use crate::layers::{FlatRun, Incidence};
@@ -36,6 +35,9 @@ const SMOOTH: f64 = 0.3;
 
 /// Number of steps of cos(theta) at which the top is tabulated for light from many directions.
 const STEPS: usize = 2048;
+
+/// Largest difference of (T_s - T_p)/(T_s + T_p) from the combination of those of other wavelengths, and the largest number of them.
+const COMBINED: (f64, usize) = (1e-6, 12);
 
 /// Flat layers above the first scatterer, and what a polariser before the eye passes of s and of p.
 #[derive(Debug, Clone)]
@@ -66,18 +68,55 @@ impl Top {
         if s + p > 0.0 { 2.0 * (shares[0] * s + shares[1] * p) / (s + p) } else { 1.0 }
     }
 
-    /// The transmittance of s less that of p, over their sum, at even steps of cos(theta): the mean over wavelengths.
-    fn differences(&self, visible: &Spectrum) -> Vec<f64> {
-        let whole: f64 = visible.iter().sum();
+    /// The transmittance of s less that of p, over their sum, at uniform steps of cos(theta).
+    fn differences(&self, bin: usize) -> Vec<f64> {
         let at = |step: usize| {
             // At the horizon both vanish.
             let cosine = (step as f64).max(1e-3) / STEPS as f64;
-            let of = |bin: usize| self.transmits(1.0 - cosine * cosine, bin, [1.0, 0.0]) - 1.0;
-            visible.iter().enumerate().filter(|(_, v)| **v > 0.0).map(|(bin, v)| v * of(bin)).sum::<f64>()
-                / whole
+            self.transmits(1.0 - cosine * cosine, bin, [1.0, 0.0]) - 1.0
         };
         (0..=STEPS).map(at).collect()
     }
+}
+
+/// Returns few of these rows, and the weights with which they add up to each of the rows. The sum of the weights is 1.
+fn anchors(rows: Vec<Vec<f64>>) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let Some(first) = rows.get(rows.len() / 2).cloned() else { return Vec::new() };
+    let mut rest: Vec<Vec<f64>> =
+        rows.iter().map(|row| row.iter().zip(&first).map(|(value, first)| value - first).collect()).collect();
+    let mut chosen = vec![rows.len() / 2];
+    // What is left of each chosen row but the first, as a sum of chosen rows; and how often it is in each row.
+    let (mut left, mut times): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+    let most = |row: &Vec<f64>| row.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    while let Some((next, off)) = rest.iter().map(most).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))
+        && off > COMBINED.0
+        && chosen.len() < COMBINED.1
+    {
+        let direction = rest[next].clone();
+        let square: f64 = direction.iter().map(|value| value * value).sum();
+        let mut own = vec![0.0; chosen.len() + 1];
+        (own[0], own[chosen.len()]) = (-1.0, 1.0);
+        for (left, times) in left.iter().zip(&times) {
+            own.iter_mut().zip(left).for_each(|(own, left)| *own -= times[next] * left);
+        }
+        let project = |row: &mut Vec<f64>| {
+            let often = row.iter().zip(&direction).map(|(a, b)| a * b).sum::<f64>() / square;
+            row.iter_mut().zip(&direction).for_each(|(value, direction)| *value -= often * direction);
+            often
+        };
+        times.push(rest.iter_mut().map(project).collect());
+        left.push(own);
+        chosen.push(next);
+    }
+    let weights = |number: usize| {
+        let of_row = |row: usize| {
+            let sums =
+                left.iter().zip(&times).filter_map(|(left, times)| Some(times[row] * left.get(number)?));
+            sums.sum::<f64>() + if number == 0 { 1.0 } else { 0.0 }
+        };
+        (0..rows.len()).map(of_row).collect()
+    };
+    chosen.iter().enumerate().map(|(number, row)| (rows[*row].clone(), weights(number))).collect()
 }
 
 /// A source whose light is polarised.
@@ -93,8 +132,8 @@ pub struct PolarisedLight {
 enum Instead {
     /// For s and for p, each with its irradiance over half of that of the source.
     OfEach(Box<[(Source, f64); 2]>),
-    /// That with the same effect below the top, with a factor of each wavelength.
-    BelowTop(Box<(Source, Vec<f64>)>),
+    /// Those that together have the same effect below the top, each with a factor of each wavelength.
+    BelowTop(Vec<(Source, Vec<f64>)>),
 }
 
 impl PolarisedLight {
@@ -113,37 +152,42 @@ impl PolarisedLight {
         Some(Self { whole: whole.clone(), instead })
     }
 
-    /// Returns a source above layers that scatter; `visible` weights the wavelengths. `None` as of
-    /// [`kept`](Self::kept).
-    pub fn above(
-        whole: &Source,
-        vibration: Vibration,
-        top: Option<&Top>,
-        visible: &Spectrum,
-    ) -> Option<Self> {
+    /// Returns a source above layers that scatter, at this number of wavelengths. `None` as of [`kept`](Self::kept).
+    pub fn above(whole: &Source, vibration: Vibration, top: Option<&Top>, bins: usize) -> Option<Self> {
         let instead = match (whole, top) {
             (Source::Diffuse, _) => return None,
-            (_, None) => (whole.clone(), vec![1.0; visible.len()]),
+            (_, None) => vec![(whole.clone(), vec![1.0; bins])],
             (Source::Field(field), Some(top)) => {
-                let table = top.differences(visible);
-                let factor = move |direction: [f64; 3]| {
-                    let [s, p] = vibration.shares(direction);
-                    let at = direction[2].clamp(0.0, 1.0) * STEPS as f64;
-                    let first = (at as usize).min(STEPS - 1);
-                    let share = at - first as f64;
-                    1.0 + (s - p) * ((1.0 - share) * table[first] + share * table[first + 1])
+                let source = |(table, weights): (Vec<f64>, Vec<f64>)| {
+                    let factor = move |direction: [f64; 3]| {
+                        let [s, p] = vibration.shares(direction);
+                        let at = direction[2].clamp(0.0, 1.0) * STEPS as f64;
+                        let first = (at as usize).min(STEPS - 1);
+                        let share = at - first as f64;
+                        1.0 + (s - p) * ((1.0 - share) * table[first] + share * table[first + 1])
+                    };
+                    let (source, irradiance) = times(field, factor)?;
+                    Some((source, weights.into_iter().map(|weight| irradiance * weight).collect()))
                 };
-                let (source, weight) = times(field, factor)?;
-                (source, vec![weight; visible.len()])
+                let rows = (0..bins).map(|bin| top.differences(bin)).collect();
+                anchors(rows).into_iter().map(source).collect::<Option<_>>()?
             }
             (Source::Beam(_) | Source::Disc(_), Some(top)) => {
                 let beta = whole.direction()?;
                 let shares = vibration.shares_towards(beta);
                 let factor = |bin| top.transmits(beta.squared(), bin, shares);
-                (whole.clone(), (0..visible.len()).map(factor).collect())
+                vec![(whole.clone(), (0..bins).map(factor).collect())]
             }
         };
-        Some(Self { whole: whole.clone(), instead: Instead::BelowTop(Box::new(instead)) })
+        Some(Self { whole: whole.clone(), instead: Instead::BelowTop(instead) })
+    }
+
+    /// What has the same effect below the top.
+    fn below_top(&self) -> &[(Source, Vec<f64>)] {
+        match &self.instead {
+            Instead::BelowTop(below) => below,
+            Instead::OfEach(_) => &[],
+        }
     }
 }
 
@@ -206,7 +250,8 @@ impl PolarisedView {
         self.lights().get(number)?.as_ref().filter(|light| light.whole == *source)
     }
 
-    /// Returns the sources of unpolarised light instead of these: for s (0), for p (1), or below the top.
+    /// Returns the sources of unpolarised light instead of these: for s (0), for p (1), or below the top. There, more sources may follow,
+    /// whose light [`Changes`] add.
     pub(crate) fn sources<'a>(
         &self,
         sources: &'a [Source],
@@ -219,11 +264,17 @@ impl PolarisedView {
             let instead = self.of(number, source).map(|light| &light.instead);
             match (instead, polarisation) {
                 (Some(Instead::OfEach(both)), Some(polarisation)) => both[polarisation].0.clone(),
-                (Some(Instead::BelowTop(below)), None) => below.0.clone(),
+                (Some(Instead::BelowTop(below)), None) => below[0].0.clone(),
                 _ => source.clone(),
             }
         };
-        Cow::Owned(sources.iter().enumerate().map(one).collect())
+        let further = |(number, source): (usize, &Source)| {
+            let below = self.of(number, source).map_or(&[][..], PolarisedLight::below_top);
+            below.iter().skip(1).map(|(source, _)| source.clone()).collect::<Vec<_>>()
+        };
+        let all = sources.iter().enumerate();
+        let further = all.clone().filter(|_| polarisation.is_none()).flat_map(further);
+        Cow::Owned(all.map(one).chain(further).collect())
     }
 
     /// Returns the weights of s and of p in what is seen of a source, given those of unpolarised light.
@@ -248,29 +299,32 @@ impl PolarisedView {
             let axis = view.axis_towards();
             let through =
                 |bin: usize| self.top().map_or(1.0, |top| top.transmits(axis.squared(), bin, weights));
-            let (below, entering) = match of.map(|light| &light.instead) {
-                Some(Instead::BelowTop(below)) => (&below.0, Some(&below.1)),
-                _ => (source, None),
-            };
-            let factor: Vec<f64> =
-                (0..bins).map(|bin| through(bin) * entering.map_or(1.0, |factor| factor[bin])).collect();
-            let mut front = vec![0.0; bins];
+            let unpolarised = [(source.clone(), vec![1.0; bins])];
+            let below = of.map(PolarisedLight::below_top).filter(|below| !below.is_empty());
+            let below = below.unwrap_or(&unpolarised);
+            let through: Vec<f64> = (0..bins).map(through).collect();
+            let factor = |entering: &Vec<f64>| entering.iter().zip(&through).map(|(a, b)| a * b).collect();
+            let factors: Vec<Vec<f64>> = below.iter().map(|(_, entering)| factor(entering)).collect();
+            let mut mirrored = vec![0.0; bins];
             if let Some(top) = self.top() {
                 let lit = (number, source.direction());
                 for Point { beta, weight } in seen_in(view, source, FINE) {
                     let [s, p] = self.seen.weights(Some(view), lit, beta);
-                    for (bin, front) in front.iter_mut().enumerate() {
+                    for (bin, mirrored) in mirrored.iter_mut().enumerate() {
                         let [of_s, of_p] = top.of_each(beta.squared(), bin);
-                        *front += weight * (s * of_s.above + p * of_p.above);
+                        *mirrored += weight * (s * of_s.above + p * of_p.above);
                     }
                 }
-                for Point { beta, weight } in seen_in(view, below, FINE) {
-                    for (bin, front) in front.iter_mut().enumerate() {
-                        *front -= weight * factor[bin] * Flat::mean(top.of_each(beta.squared(), bin)).above;
+                for ((source, _), factor) in below.iter().zip(&factors) {
+                    for Point { beta, weight } in seen_in(view, source, FINE) {
+                        for (bin, mirrored) in mirrored.iter_mut().enumerate() {
+                            let mean = Flat::mean(top.of_each(beta.squared(), bin)).above;
+                            *mirrored -= weight * factor[bin] * mean;
+                        }
                     }
                 }
             }
-            Some((factor, front))
+            Some(Change { factors, mirrored })
         };
         Some(Changes(sources.iter().enumerate().map(one).collect()))
     }
@@ -284,12 +338,10 @@ impl PolarisedView {
     ) -> ReflectanceFactor {
         let (Some(top), Some(beta)) = (self.top(), source.direction()) else { return image };
         let bins = image.front.len();
-        let entering = match self.of(number, source).map(|light| &light.instead) {
-            Some(Instead::BelowTop(below)) => Some(&below.1),
-            _ => None,
-        };
+        // A directed source has one instead.
+        let entering = self.of(number, source).and_then(|light| light.below_top().first());
         let factor = |bin: usize| {
-            top.transmits(beta.squared(), bin, top.weights) * entering.map_or(1.0, |factor| factor[bin])
+            top.transmits(beta.squared(), bin, top.weights) * entering.map_or(1.0, |(_, factor)| factor[bin])
         };
         let [s, p] = self.seen.weights(None, (number, Some(beta)), beta);
         for bin in 0..bins {
@@ -304,10 +356,7 @@ impl PolarisedView {
     }
 
     fn bins(&self) -> Option<usize> {
-        let of_light = |light: &PolarisedLight| match &light.instead {
-            Instead::BelowTop(below) => Some(below.1.len()),
-            Instead::OfEach(_) => None,
-        };
+        let of_light = |light: &PolarisedLight| Some(light.below_top().first()?.1.len());
         let top = self.top().map(|top| top.media[1].index().len());
         top.or_else(|| self.lights().iter().flatten().find_map(of_light))
     }
@@ -325,21 +374,58 @@ pub(crate) fn seen_in(view: &Cone, source: &Source, (digits, nodes): (f64, Nodes
     }
 }
 
-/// What changes the light that a view sees: for each source a factor of each wavelength, and light that the top mirrors
-/// in addition.
+/// What changes the light that a view sees of each source.
 #[derive(Debug)]
-pub(crate) struct Changes(Vec<Option<(Vec<f64>, Vec<f64>)>>);
+pub(crate) struct Changes(Vec<Option<Change>>);
+
+#[derive(Debug)]
+struct Change {
+    /// Of the source and of each that follows for it, by wavelength.
+    factors: Vec<Vec<f64>>,
+    /// Light that the top mirrors in addition.
+    mirrored: Vec<f64>,
+}
 
 impl Changes {
-    /// Changes the light of all sources.
-    pub(crate) fn apply(&self, rho: &mut [ReflectanceFactor]) {
+    /// Changes the light of all sources, which is then that of the polarised ones.
+    pub(crate) fn apply(&self, rho: &mut Vec<ReflectanceFactor>) {
+        let mut further = rho.split_off(self.0.len().min(rho.len())).into_iter();
         for (rho, change) in rho.iter_mut().zip(&self.0) {
-            let Some((factor, front)) = change else { continue };
-            let bins = factor.len();
-            rho.via_pixel.iter_mut().enumerate().for_each(|(k, value)| *value *= factor[k % bins]);
-            for ((value, factor), more) in rho.front.iter_mut().zip(factor).zip(front) {
-                *value = *value * factor + more;
+            let Some(change) = change else { continue };
+            let mut factors = change.factors.iter();
+            if let Some(factor) = factors.next() {
+                rho.scale(factor);
+            }
+            for (factor, mut other) in factors.zip(further.by_ref()) {
+                other.scale(factor);
+                rho.add(&other, 1.0);
+            }
+            rho.front.iter_mut().zip(&change.mirrored).for_each(|(value, more)| *value += more);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::anchors;
+
+    /// Rows that are sums of three.
+    #[test]
+    fn few_rows_add_up_to_all() {
+        let row = |k: usize| {
+            let [a, b] = [(k as f64).sin(), (k as f64 * 0.7).cos()];
+            (0..50).map(|x| f64::from(x) / 50.0).map(|x| 0.3 + a * x + b * x * x).collect::<Vec<f64>>()
+        };
+        let rows: Vec<Vec<f64>> = (0..31).map(row).collect();
+        let found = anchors(rows.clone());
+        assert_eq!(found.len(), 3);
+        for (k, row) in rows.iter().enumerate() {
+            assert!((found.iter().map(|(_, weights)| weights[k]).sum::<f64>() - 1.0).abs() < 1e-12);
+            for (x, value) in row.iter().enumerate() {
+                let sum: f64 = found.iter().map(|(anchor, weights)| weights[k] * anchor[x]).sum();
+                assert!((sum - value).abs() < 1e-9, "row {k}, {x}: {sum} {value}");
             }
         }
+        assert_eq!(anchors(vec![vec![0.5; 9]; 4]), [(vec![0.5; 9], vec![1.0; 4])]);
     }
 }

@@ -345,7 +345,7 @@ impl Kernel {
     }
 
     /// Changes the light that a view sees to that of polarised sources, and through a polariser.
-    fn change(&self, stack: &Stack, view: usize, rho: &mut [ReflectanceFactor]) {
+    fn change(&self, stack: &Stack, view: usize, rho: &mut Vec<ReflectanceFactor>) {
         let (Some(polarised), Some(view)) = (stack.polarised_view(), self.asked.0.get(view)) else { return };
         if let Some(changes) = polarised.changes(view, &self.asked.1) {
             changes.apply(rho);
