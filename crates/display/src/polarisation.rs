@@ -24,8 +24,8 @@ use std::ops::Range;
 use papilio_optics::film::{Coating, Polarisation};
 use papilio_spectra::Spectrum;
 use papilio_transport::{
-    Base, FlatRun, Followed, Interface, Layer, Medium, PolarisedLight, PolarisedTop as Top, PolarisedView,
-    Source, Stack, WholeView,
+    Base, FlatRun, Followed, Interface, Layer, Medium, Phases, PolarisedLight, PolarisedTop as Top,
+    PolarisedView, Source, Stack, WholeView,
 };
 
 use crate::DisplayError;
@@ -33,14 +33,15 @@ use crate::scene::{
     self, AngleMedium, Approximation, Method, Pixel, Ready, Scene, UniformKind, UniformPixel, Vibration,
 };
 
-/// Angle between the mirror image of a lamp and a field of view from which on the view sees nothing of it, degrees.
-const BESIDE_DEG: f64 = 0.1;
-
-/// Field of view up to which the phase between s and p does not matter (3e-4 of a silver film in a polarised sky), degrees.
-const NARROW_DEG: f64 = 5.0;
-
 /// What polarised light needs where the display has a colour filter.
 const NO_FILTER: &str = "a display without a colour filter, or mirrors below flat layers: other polarised light from outside is not followed through one";
+
+/// What polarised light needs where the phase between s and p is not followed.
+const NO_PHASE: &str = "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of polarised light depends on their \
+                        phases, which `papilio run`, `cone` and `sweep` follow in flat layers without a colour filter";
+
+/// Field of view up to which the phase between s and p does not matter otherwise (3e-4 of a silver film in a polarised sky), degrees.
+const NARROW_DEG: f64 = 5.0;
 
 /// What particles need of a computation.
 pub(crate) const PATHS: &str = "`papilio run` (or `sweep`, `optimize`) by method = \"monte-carlo\" (or \"auto\"): adding, and whatever computes places of light, maps, \
@@ -97,55 +98,24 @@ impl Asked {
 
     /// Refuses what is not followed.
     fn check(self, scene: &Scene) -> Result<Self, DisplayError> {
-        let is_oblique = |angle_deg: f64| (2.0 * angle_deg.to_radians()).sin().abs() > 1e-9;
-        let mixes = |vibration: &Vibration| match vibration {
-            Vibration::Fixed { angle, .. } => is_oblique(angle.to_degrees()),
-            Vibration::Rayleigh { .. } => true,
-        };
         let why = if !is_followed(scene) {
             "solver.approximation = \"none\" and angles in air or glass: other light does not keep s and p apart"
-        } else if (is_whole(scene) || has_particles(scene)) && has_coating(scene) {
-            "bare faces and components above a liquid crystal (or a scatterer) and around particles: the phase between s and p in a coating is not followed"
         } else if scene.display.filter().is_some() && !is_flat_mirror(scene) {
             NO_FILTER
-        } else if !(is_whole(scene) || has_particles(scene))
-            && self.polariser_deg.is_some_and(is_oblique)
-            && self.vibrations.iter().flatten().any(mixes)
-            && met_unscattered(scene).polarising > 0
-            && self.is_seen_unscattered(scene)
-        {
-            "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of \
-             polarised light depends on their phases, which are not followed"
         } else {
             return Ok(self);
         };
         Err(DisplayError::Polarised { key: self.key, needs: why })
     }
 
-    /// Returns whether a view may see polarised light that nothing has scattered.
-    fn is_seen_unscattered(&self, scene: &Scene) -> bool {
-        if Meetings::of(scene).is_some() {
-            return true;
-        }
-        let lighting = &scene.lighting;
-        let environment = lighting.environment.iter().flat_map(|one| &one.parts);
-        let unit = |theta_deg: f64, phi_deg: f64| {
-            let ((sine, cosine), phi) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians());
-            [sine * phi.cos(), sine * phi.sin(), cosine]
+    /// Returns whether light between s and p is seen through a polariser between them.
+    fn mixes(&self) -> bool {
+        let is_oblique = |angle_deg: f64| (2.0 * angle_deg.to_radians()).sin().abs() > 1e-9;
+        let mixes = |vibration: &Vibration| match vibration {
+            Vibration::Fixed { angle, .. } => is_oblique(angle.to_degrees()),
+            Vibration::Rayleigh { .. } => true,
         };
-        let is_image_seen = |lamp: &scene::DirectedLight| {
-            let image = unit(lamp.theta_deg, lamp.phi_deg + 180.0);
-            let within_deg = lamp.radius_deg.unwrap_or(0.0) + 0.5 * scene.viewer.field_deg + BESIDE_DEG;
-            scene.viewer.directions().any(|(theta_deg, phi_deg)| {
-                let view = unit(theta_deg, phi_deg);
-                let cosine: f64 = image.iter().zip(view).map(|(a, b)| a * b).sum();
-                cosine >= within_deg.min(180.0).to_radians().cos()
-            })
-        };
-        let mut lamps = lighting.directed.iter().filter(|lamp| lamp.vibration.is_some());
-        environment.into_iter().any(|part| part.vibration.is_some())
-            || scene.viewer.numerical_aperture.is_some()
-            || lamps.any(is_image_seen)
+        self.polariser_deg.is_some_and(is_oblique) && self.vibrations.iter().flatten().any(mixes)
     }
 
     /// Vibrations of the sources of a scene. Along the normal, the plane of incidence is that of the azimuth of a lamp.
@@ -276,8 +246,8 @@ pub(crate) fn view(
 
 /// Returns notes on what is polarised.
 pub(crate) fn notes(scene: &Scene) -> Vec<String> {
-    let mut notes: Vec<String> = note_of_coatings(scene).into_iter().collect();
-    let Some(asked) = Asked::of(scene) else { return notes };
+    let Some(asked) = Asked::of(scene) else { return Vec::new() };
+    let mut notes = Vec::new();
     if let Some(angle_deg) = asked.polariser_deg {
         let which = match angle_deg.rem_euclid(180.0) {
             0.0 => "p, in the plane of incidence".to_owned(),
@@ -305,14 +275,39 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
     notes
 }
 
+/// Returns whether light between s and p is followed with its phase to a mirror below flat layers or particles; `by_views`: the computation is that of views.
+pub(crate) fn has_phases(scene: &Scene, by_views: bool) -> bool {
+    let is_seen =
+        |asked: Asked| asked.polariser_deg.is_some() && asked.vibrations.iter().any(Option::is_some);
+    if has_particles(scene) {
+        return by_views && matches!(scene.display.pixel, Pixel::Film(_));
+    }
+    by_views
+        && scene.display.is_flat()
+        && scene.display.filter().is_none()
+        && is_followed(scene)
+        && Meetings::of(scene).is_some_and(|met| met.polarising > 0)
+        && Asked::of(scene).is_some_and(is_seen)
+}
+
+/// Refuses light between s and p that is seen through a polariser between them where its phase matters and is not followed.
+pub(crate) fn check_phases(scene: &Scene, by_views: bool) -> Result<(), DisplayError> {
+    let Some(asked) = Asked::of(scene).filter(Asked::mixes) else { return Ok(()) };
+    let matters = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
+    if matters && !has_phases(scene, by_views) {
+        return Err(DisplayError::Polarised { key: asked.key, needs: NO_PHASE });
+    }
+    Ok(())
+}
+
 /// Returns a note if rays of a wide view have light between s and p, whose phase in flat layers above a mirror is not followed.
 fn note_of_phase(scene: &Scene, asked: &Asked) -> Option<String> {
     let field_deg = scene.viewer.field_deg;
     let is_mixed = asked.polariser_deg.is_some() && asked.vibrations.iter().any(Option::is_some);
     let is_polarising = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
-    (is_mixed && is_polarising && field_deg > NARROW_DEG).then(|| {
+    (is_mixed && is_polarising && field_deg > NARROW_DEG && !has_phases(scene, true)).then(|| {
         format!(
-            "the phase between s and p in faces and films is not followed: in a field of {field_deg} deg, light that vibrates between the two \
+            "the phase between s and p in faces and films is not followed below a filter or diffuser: in a field of {field_deg} deg, light that vibrates between the two \
              is up to some per cent wrong (of a silver film in a polarised sky, 0.5 % in 20 deg, 3 % in 60 deg), which the stated error does \
              not contain; narrower fields are exact"
         )
@@ -322,17 +317,6 @@ fn note_of_phase(scene: &Scene, asked: &Asked) -> Option<String> {
 /// What light meets before the first scatterer that does not keep s and p.
 fn met_unscattered(scene: &Scene) -> Meetings {
     Meetings::of(scene).unwrap_or_else(|| Meetings::within(scene, top_layers(scene)))
-}
-
-/// Returns a note if light meets a liquid crystal below a coating, whose phase between s and p is left out.
-fn note_of_coatings(scene: &Scene) -> Option<String> {
-    let Pixel::Crystal(pixel) = &scene.display.pixel else { return None };
-    let turns = pixel.parts.iter().any(|part| part.indices.windows(2).any(|pair| pair[0] != pair[1]));
-    (turns && is_whole(scene) && has_coating(scene)).then(|| {
-        "the phase between s and p in a coating above a liquid crystal is not followed: along the normal it is 0, at oblique \
-         angles reflectances may be several per cent off; with a bare face or a component in place of the coating, phases are complete"
-            .to_owned()
-    })
 }
 
 /// The flat layers above the first scatterer, by their interfaces.
@@ -348,7 +332,7 @@ fn top(scene: &Scene, stack: &Stack, weights: [f64; 2]) -> Result<Option<Top>, D
     }
     let own = |polarisation| -> Result<Vec<Interface>, DisplayError> {
         let made = of_polarisation(scene, stack.layers(), polarisation)?;
-        Ok(made[layers.clone()].iter().map(|layer| layer.interface.clone()).collect())
+        Ok(interfaces_of(&made[layers.clone()]))
     };
     let mut media: Vec<_> = stack.layers()[layers.clone()].iter().map(|layer| layer.medium.clone()).collect();
     let Some(below) = media.pop() else { return Ok(None) };
@@ -374,13 +358,14 @@ fn has_mirror_run(scene: &Scene) -> bool {
         && runs(scene).iter().any(|run| run.meets_mirror)
 }
 
-fn has_coating(scene: &Scene) -> bool {
-    scene.display.layers.iter().any(|layer| matches!(layer.interface, scene::Interface::Coating(_)))
-}
-
 /// Returns the stack with what it is for s and p; `pixel` is that of light of s and of p, if they are kept apart where
-/// they meet it.
-pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result<Stack, DisplayError> {
+/// they meet it, and `products` are those of both amplitudes, if their phase is followed.
+pub(crate) fn kept(
+    scene: &Scene,
+    stack: Stack,
+    pixel: Option<[Base; 2]>,
+    products: Option<[Base; 2]>,
+) -> Result<Stack, DisplayError> {
     let weights = weights(scene)?;
     let for_adding = |stack: Stack| match scene.display.is_flat() {
         true => with_azimuth(stack),
@@ -388,7 +373,7 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
     };
     let is_panel = stack.panel().is_some();
     if has_particles(scene) {
-        return of_particles(scene, stack, pixel);
+        return of_particles(scene, stack, pixel, products);
     }
     if weights.is_none() && (!is_followed(scene) || is_panel && !is_flat_paper(scene)) {
         return Ok(for_adding(stack));
@@ -397,7 +382,7 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
         let both = [Polarisation::S, Polarisation::P]
             .map(|polarisation| of_polarisation(scene, stack.layers(), polarisation));
         let [s, p] = both;
-        let interfaces = [s?, p?].map(|own| own.into_iter().map(|layer| layer.interface).collect());
+        let interfaces = [s?, p?].map(|own| interfaces_of(&own));
         let media = media_between(&stack);
         return Ok(stack.with_flat_run(FlatRun::new(interfaces, media)));
     }
@@ -409,8 +394,13 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
     let of_p = of_polarisation(scene, stack.layers(), Polarisation::P)?;
     Ok(match (weights, pixel) {
         (Some(weights), Some([s, p])) => {
+            let phases = products.and_then(|products| {
+                let interfaces = [&of_s, &of_p].map(|own| interfaces_of(own));
+                let below = of_s.last()?.medium.clone();
+                Some(Phases::new(FlatRun::new(interfaces, media_between(&stack)), below, products))
+            });
             let both = [Stack::new(of_s, s), Stack::new(of_p, p)].map(for_adding);
-            stack.with_polarisations(both, weights)
+            stack.with_polarisations(both, weights).with_phases(phases)
         }
         (_, mirrors) => {
             let layers = in_runs(stack.layers(), [&of_s, &of_p], &runs);
@@ -421,7 +411,12 @@ pub(crate) fn kept(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Res
 }
 
 /// Returns the stack for the tracer of Stokes parameters: its coatings, and a mirror-like pixel, for light of s and of p.
-fn of_particles(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result<Stack, DisplayError> {
+fn of_particles(
+    scene: &Scene,
+    stack: Stack,
+    pixel: Option<[Base; 2]>,
+    products: Option<[Base; 2]>,
+) -> Result<Stack, DisplayError> {
     let is_coating =
         |number: &usize| matches!(scene.display.layers[*number].interface, scene::Interface::Coating(_));
     let one = |number: usize| Run { layers: number..number + 1, meets_mirror: false };
@@ -430,7 +425,7 @@ fn of_particles(scene: &Scene, stack: Stack, pixel: Option<[Base; 2]>) -> Result
     let layers = in_runs(stack.layers(), [&of(Polarisation::S)?, &of(Polarisation::P)?], &coatings);
     let stack = if coatings.is_empty() { stack } else { stack.with_runs(layers, None) };
     Ok(match pixel {
-        Some(both) if stack.base().is_specular() => stack.with_mirrors_of_each(both),
+        Some(both) if stack.base().is_specular() => stack.with_mirrors_of_each(both, products),
         _ => stack,
     })
 }
@@ -441,9 +436,13 @@ fn with_azimuth(stack: Stack) -> Stack {
     if stack.panel().is_some() || !stack.base().is_azimuthal() {
         return stack;
     }
-    let interfaces: Vec<Interface> = stack.layers().iter().map(|layer| layer.interface.clone()).collect();
+    let interfaces = interfaces_of(stack.layers());
     let media = media_between(&stack);
     stack.with_flat_run(FlatRun::new([interfaces.clone(), interfaces], media))
+}
+
+fn interfaces_of(layers: &[Layer]) -> Vec<Interface> {
+    layers.iter().map(|layer| layer.interface.clone()).collect()
 }
 
 /// Returns the media of a stack but the last.
@@ -651,7 +650,7 @@ fn flat_from(scene: &Scene, first: usize) -> (Range<usize>, bool) {
     (first..first + murky.map_or(flat, |last| last + 1), murky.is_none())
 }
 
-/// Layers for light of one polarisation.
+/// Layers for light of one polarisation; coatings of s have the products of both amplitudes where light between s and p is followed.
 fn of_polarisation(
     scene: &Scene,
     layers: &[Layer],
@@ -659,6 +658,8 @@ fn of_polarisation(
 ) -> Result<Vec<Layer>, DisplayError> {
     let nm = scene.grid.wavelengths_nm();
     let air = Spectrum::constant(&scene.grid, 1.0);
+    let has_products = polarisation == Polarisation::S
+        && (matches!(scene.display.pixel, Pixel::Crystal(_)) || Asked::of(scene).is_some());
     let mut above = &air;
     let mut made = Vec::with_capacity(layers.len());
     for (described, layer) in scene.display.layers.iter().zip(layers) {
@@ -666,6 +667,10 @@ fn of_polarisation(
         let interface = match &described.interface {
             scene::Interface::Coating(coating) => {
                 let made = Coating::of(polarisation, &nm, above, &coating.films, below);
+                let made = match has_products {
+                    true => made.and_then(|made| made.with_products(&nm, above, &coating.films, below)),
+                    false => made,
+                };
                 Interface::Coating(made.map_err(|error| DisplayError::of_coating(error, &coating.key))?)
             }
             scene::Interface::Ready(Ready::Fresnel) => Interface::FresnelOf(polarisation),

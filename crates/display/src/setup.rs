@@ -138,12 +138,15 @@ impl Setup {
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
         polarisation::check_particles(scene, towards == Towards::Views)?;
+        polarisation::check_phases(scene, towards == Towards::Views)?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let cosines = towards.cosines(scene);
         let kept_apart = polarisation::reaches_pixel(scene)?;
-        let bases = pixel::bases(scene, &mut film, None, (kept_apart, cosines.as_deref()), control)?;
+        let phases = polarisation::has_phases(scene, towards == Towards::Views);
+        let light = pixel::Light { kept_apart, phases, cosines: cosines.as_deref() };
+        let bases = pixel::bases(scene, &mut film, None, light, control)?;
         let (mut stack, sources) = (stack(scene, bases, None, control)?, sources(scene, angle_index)?);
         stack.set_polarised_view(polarisation::view(scene, &stack, &sources)?);
         let setup = Self {
@@ -220,6 +223,8 @@ impl Setup {
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
         polarisation::check_particles(scene, towards == Towards::Views)?;
+        polarisation::check_phases(scene, towards == Towards::Views)?;
+        let phases = polarisation::has_phases(scene, towards == Towards::Views);
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -232,6 +237,7 @@ impl Setup {
             || apart && self.stack.polarised_bases().is_none() && self.stack.mueller().is_none()
             || !apart && self.stack.polarised_bases().is_some()
             || polarisation::has_particles(scene) != polarisation::has_particles(&last)
+            || phases != self.stack.products().is_some()
             || weights != self.stack.polarised().map(|_| self.stack.weights_of_polarisations());
         // Adding has a form of its own for flat layers above a pixel that depends on azimuth.
         let azimuth_changed =
@@ -249,8 +255,8 @@ impl Setup {
             || scene.display.pixel != last.display.pixel
             || cosines != self.cosines
         {
-            let of_light = (apart, cosines.as_deref());
-            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), of_light, control)?;
+            let light = pixel::Light { kept_apart: apart, phases, cosines: cosines.as_deref() };
+            let bases = pixel::bases(scene, &mut self.film, Some(&self.stack), light, control)?;
             if bases.mean.is_azimuthal() != self.stack.base().is_azimuthal() {
                 // Layers above a pixel that depends on azimuth have forms of their own.
                 return Ok(Self { version: self.version + 1, ..Self::towards(scene, towards, control)? });
@@ -270,6 +276,7 @@ impl Setup {
             let bases = Bases {
                 mean: self.stack.base().clone(),
                 polarised: self.stack.polarised_bases().map(|both| both.map(Base::clone)),
+                products: self.stack.products().cloned(),
                 mueller: self.stack.mueller().cloned(),
             };
             let made = Some((&last.display.layers[..], self.stack.layers()));
@@ -468,11 +475,14 @@ pub(crate) fn replace_bases(stack: &mut Stack, bases: Bases) {
     if let Some(both) = bases.polarised {
         stack.set_polarised_bases(both);
     }
+    if let Some(products) = bases.products {
+        stack.set_products(products);
+    }
 }
 
 fn stack(
     scene: &Scene,
-    Bases { mean, polarised, mueller }: Bases,
+    Bases { mean, polarised, products, mueller }: Bases,
     before: Option<Made<'_>>,
     control: &Control<'_>,
 ) -> Result<Stack, DisplayError> {
@@ -483,7 +493,7 @@ fn stack(
     let layers = layers(scene, before, Surfaces::Measured(control))?;
     let stack = Stack::approximated(layers, mean, approximation);
     let stack = stack.map_err(|NotAPanel| DisplayError::ApproximatesNoPanel)?;
-    let mut stack = polarisation::kept(scene, stack, polarised)?;
+    let mut stack = polarisation::kept(scene, stack, polarised, products)?;
     stack.set_mueller(mueller);
     stack.set_thickness_mm(&thickness_mm(scene));
     Ok(stack)

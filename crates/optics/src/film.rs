@@ -50,7 +50,7 @@ mod media;
 mod points;
 
 pub use absorbed::{Absorbed, absorbed};
-pub use coating::{Coating, CoatingPart};
+pub use coating::{Coating, CoatingPart, Products};
 pub use coherent::{Coherent, Field, Film, Layer, Polarisation, coherent};
 pub use derivative::Variable;
 pub use fringes::{LayerFringes, fringe_spacing_nm, most_fringes};

@@ -224,8 +224,19 @@ impl WholeView {
         }
     }
 
-    /// Returns the weights of the reflectances for s and for p in what a view sees of the light of a source with these direction cosines: `[0.5, 0.5]` where
-    /// nothing is polarised.
+    /// Returns the weights of the reflectances for s and for p, and of the real part of the product of both amplitudes ([`Crossed`]), in what a view sees of
+    /// the light of a source with these direction cosines: `[0.5, 0.5, 0]` where nothing is polarised.
+    pub(crate) fn products(
+        &self,
+        view: Option<&Cone>,
+        (number, centre): (usize, Option<Beta>),
+        beta: Beta,
+    ) -> [f64; 3] {
+        let (meter, light) = (self.meter(view, beta), self.light(number, centre, beta));
+        [1, 0, 2].map(|one| meter[one] * light[one])
+    }
+
+    /// Returns the weights of the reflectances for s and for p where their phase is not known.
     ///
     /// Near the normal the directions of s and p change from ray to ray. The product of both amplitudes counts as the mean of both reflectances, which is exact
     /// along the normal and off by the phase between s and p elsewhere.
@@ -235,10 +246,9 @@ impl WholeView {
         (number, centre): (usize, Option<Beta>),
         beta: Beta,
     ) -> [f64; 2] {
-        let (meter, light) = (self.meter(view, beta), self.light(number, centre, beta));
+        let [s, p, product] = self.products(view, (number, centre), beta);
         // Mirrors reflect s and p with opposite signs along the normal.
-        let crossed = -meter[2] * light[2];
-        [1, 0].map(|one| meter[one] * light[one] + 0.5 * crossed)
+        [s, p].map(|one| one - 0.5 * product)
     }
 }
 

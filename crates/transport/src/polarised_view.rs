@@ -62,6 +62,14 @@ impl Top {
         self.run.of_each(&Incidence::between([above, below], bin, beta_squared))
     }
 
+    /// What the layers mirror from above of s, of p, and of the product of both amplitudes.
+    fn mirrors(&self, beta_squared: f64, bin: usize) -> [f64; 3] {
+        let [above, below] = &self.media;
+        let at = Incidence::between([above, below], bin, beta_squared);
+        let [s, p] = self.run.of_each(&at);
+        [s.above, p.above, self.run.crossed(&at).above.re]
+    }
+
     /// Light with these shares that it transmits, over unpolarised light.
     fn transmits(&self, beta_squared: f64, bin: usize, shares: [f64; 2]) -> f64 {
         let [s, p] = self.of_each(beta_squared, bin).map(|flat| flat.t);
@@ -309,10 +317,10 @@ impl PolarisedView {
             if let Some(top) = self.top() {
                 let lit = (number, source.direction());
                 for Point { beta, weight } in seen_in(view, source, FINE) {
-                    let [s, p] = self.seen.weights(Some(view), lit, beta);
+                    let products = self.seen.products(Some(view), lit, beta);
                     for (bin, mirrored) in mirrored.iter_mut().enumerate() {
-                        let [of_s, of_p] = top.of_each(beta.squared(), bin);
-                        *mirrored += weight * (s * of_s.above + p * of_p.above);
+                        let mirrors = top.mirrors(beta.squared(), bin);
+                        *mirrored += weight * products.iter().zip(mirrors).map(|(a, b)| a * b).sum::<f64>();
                     }
                 }
                 for ((source, _), factor) in below.iter().zip(&factors) {
@@ -343,11 +351,12 @@ impl PolarisedView {
         let factor = |bin: usize| {
             top.transmits(beta.squared(), bin, top.weights) * entering.map_or(1.0, |(_, factor)| factor[bin])
         };
-        let [s, p] = self.seen.weights(None, (number, Some(beta)), beta);
+        let products = self.seen.products(None, (number, Some(beta)), beta);
         for bin in 0..bins {
-            let both = top.of_each(beta.squared(), bin);
-            let rest = image.front[bin] - Flat::mean(both).above;
-            image.front[bin] = factor(bin) * rest + s * both[0].above + p * both[1].above;
+            let mirrors = top.mirrors(beta.squared(), bin);
+            let rest = image.front[bin] - 0.5 * (mirrors[0] + mirrors[1]);
+            let mirrored: f64 = products.iter().zip(mirrors).map(|(a, b)| a * b).sum();
+            image.front[bin] = factor(bin) * rest + mirrored;
         }
         for (k, value) in image.via_pixel.iter_mut().enumerate() {
             *value *= factor(k % bins);

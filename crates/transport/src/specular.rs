@@ -1,5 +1,8 @@
 //! Light that is never scattered: its mirror images and its round trips, in closed form.
 
+use std::sync::Arc;
+
+use num_complex::Complex64;
 use papilio_optics::Beta;
 use papilio_optics::film::Polarisation;
 use papilio_spectra::StateSpectra;
@@ -9,7 +12,10 @@ use crate::layers::{Crossed, Incidence, LayerKind, fresnel_of};
 use crate::light::images::{Mirror, image_points};
 use crate::mueller::{Above, Factors, Orders, dot};
 use crate::skeleton::{Ray, Skeleton};
-use crate::{Base, Cone, Diffuser, Medium, Panel, ReflectanceFactor, Reflector, Source, Stack, Top};
+use crate::{
+    Base, Cone, Diffuser, Medium, Panel, PolarisedView, ReflectanceFactor, Reflector, Source, Stack, Top,
+    WholeView,
+};
 
 /// Returns the specular reflectance of the whole display for light with these direction cosines,
 /// `|beta| <= 1`: the luminance of its mirror image over its own.
@@ -32,9 +38,11 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
     let whole = stack.in_runs();
     if let Some([s, p]) = whole.polarised() {
         let usual = whole.weights_of_polarisations();
-        let of_source = || stack.polarised_view().map(|view| view.weights(number, source, usual));
-        let of_ray = stack.weights_of_ray(None, (number, source), beta);
-        let weights = of_ray.or_else(of_source).unwrap_or(usual);
+        if let Some(seen) = stack.polarised_view().and_then(|view| view.rays()) {
+            return image_of_ray([s, p], (seen, None), (number, source), beta);
+        }
+        let of_source = |view: &Arc<PolarisedView>| view.weights(number, source, usual);
+        let weights = stack.polarised_view().map_or(usual, of_source);
         return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
     }
     if let Some(orders) = whole.panel().and_then(|panel| Orders::of(panel, beta)) {
@@ -45,6 +53,27 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
         Some(view) => view.image(number, source, image),
         None => image,
     }
+}
+
+/// Returns the mirror image of a ray with these direction cosines, in flat layers above a mirror, as a view sees it; without a view, through
+/// a polariser in the frame of the ray itself.
+fn image_of_ray(
+    [s, p]: [&Stack; 2],
+    (seen, view): (&WholeView, Option<&Cone>),
+    (number, source): (usize, &Source),
+    beta: Beta,
+) -> ReflectanceFactor {
+    let lit = (number, source.direction());
+    let both = [s, p].map(|own| specular_image(own, beta));
+    let Some(phases) = s.phases() else {
+        return both[0].mixed_with(&both[1], seen.weights(view, lit, beta));
+    };
+    let [of_s, of_p, of_product] = seen.products(view, lit, beta);
+    let mut image = both[0].mixed_with(&both[1], [of_s, of_p]);
+    if of_product != 0.0 {
+        image.add(&phases.image(beta), of_product);
+    }
+    image
 }
 
 /// Returns the mirror image of a source in layers whose polarised light is followed by its Stokes parameters: all orders of what
@@ -62,10 +91,17 @@ fn image_of_stokes(lit: &Stack, number: usize, source: &Source, beta: Beta) -> R
         }
         all
     };
-    let [s, p] = lit.mirrors_of_each().map_or_else(|| [of(base), of(base)], |both| both.each_ref().map(of));
-    let seen = |bin: usize, [s, p]: [f64; 2]| {
+    let mirrors = lit.mirrors_of_each();
+    let [s, p] = mirrors.map_or_else(|| [of(base), of(base)], |mirrors| mirrors.both.each_ref().map(of));
+    let products = mirrors.and_then(|mirrors| Some(mirrors.products.as_ref()?.each_ref().map(of)));
+    let product = |k: usize| match &products {
+        Some([re, im]) => Complex64::new(re[k], im[k]),
+        // As a mirror of metal.
+        None => Complex64::new(-(s[k] * p[k]).max(0.0).sqrt(), 0.0),
+    };
+    let seen = |bin: usize, [s, p]: [f64; 2], product: Complex64| {
         let mirror = |r: f64| Flat { t: 0.0, above: r, below: r };
-        let crossed = Crossed::of_both(mirror((s * p).max(0.0).sqrt()), -1.0);
+        let crossed = Crossed { t: Complex64::ZERO, above: product, below: product };
         let mut below = ([mirror(s), mirror(p)], crossed);
         for (number, layer) in stack.layers().iter().enumerate().rev() {
             let above = number.checked_sub(1).map_or(&air, |above| &stack.layers()[above].medium);
@@ -80,8 +116,8 @@ fn image_of_stokes(lit: &Stack, number: usize, source: &Source, beta: Beta) -> R
         let ([s, p], crossed) = below;
         dot(meter, Factors { p: p.above, s: s.above, crossed: crossed.above }.of(light))
     };
-    let front: Vec<f64> = (0..bins).map(|bin| seen(bin, [0.0; 2])).collect();
-    let via = |k: usize| seen(k % bins, [s[k], p[k]]) - front[k % bins];
+    let front: Vec<f64> = (0..bins).map(|bin| seen(bin, [0.0; 2], Complex64::ZERO)).collect();
+    let via = |k: usize| seen(k % bins, [s[k], p[k]], product(k)) - front[k % bins];
     ReflectanceFactor { via_pixel: StateSpectra::new((0..s.len()).map(via).collect(), bins), front }
 }
 
@@ -108,11 +144,10 @@ pub fn disc_image(stack: &Stack, view: &Cone, (number, disc): (usize, &Cone)) ->
         image_points(view, std::slice::from_ref(&source), DIGITS, Mirror::Across(across(stack, view)))
     {
         for point in &image.points {
-            let weights = stack.weights_of_ray(Some(view), (number, &source), point.beta);
-            let image = match (stack.in_runs().polarised(), weights) {
-                (Some([s, p]), Some(weights)) => {
-                    let [s, p] = [s, p].map(|own| specular_image(own, point.beta));
-                    s.mixed_with(&p, weights)
+            let seen = stack.polarised_view().and_then(|view| view.rays());
+            let image = match (stack.in_runs().polarised(), seen) {
+                (Some([s, p]), Some(seen)) => {
+                    image_of_ray([s, p], (seen, Some(view)), (number, &source), point.beta)
                 }
                 _ => specular_image(stack, point.beta),
             };

@@ -24,8 +24,8 @@ use crate::layers::{LayerKind, least_edge};
 use crate::mirror_run::{Mirror, MirrorRun};
 use crate::polarised_view::PolarisedView;
 use crate::{
-    Approximation, Base, Cone, Described, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Reflector,
-    Source, Top,
+    Approximation, Base, Cone, Described, FlatRun, Interface, Medium, Mueller, Panel, PanelParts, Phases,
+    Reflector, Source, Top,
 };
 
 /// Layers over a pixel.
@@ -41,11 +41,22 @@ pub struct Stack {
     /// The last of its layers, if that is a run which keeps s and p apart together with the mirror below.
     mirror_run: Option<Box<MirrorRun>>,
     /// The mirror-like pixel for light of s and of p, for the tracer of Stokes parameters.
-    mirrors_of_each: Option<Box<[Base; 2]>>,
+    mirrors_of_each: Option<Box<MirrorsOfEach>>,
     /// Polarised light, and a polariser before the eye above layers that scatter.
     polarised_view: Option<Arc<PolarisedView>>,
     /// All layers for light of s and of p, for light with its places, if they are flat and the pixel is Lambertian.
     of_each: Option<Arc<[Vec<Layer>; 2]>>,
+    /// Of the stack for light of s or of p: the phase between both, if it is known.
+    phases: Option<Arc<Phases>>,
+}
+
+/// A mirror-like pixel for polarised light.
+#[derive(Debug, Clone)]
+pub(crate) struct MirrorsOfEach {
+    /// For s and for p.
+    pub(crate) both: [Base; 2],
+    /// Real and imaginary part of the product of both amplitudes; `None`: as of metal, with opposite signs.
+    pub(crate) products: Option<[Base; 2]>,
 }
 
 /// A stack for light of each polarisation.
@@ -123,6 +134,47 @@ impl Stack {
         Self { polarised: Some(Box::new(Polarised { both, weights })), ..self }
     }
 
+    /// The same stack, which keeps s and p apart, with the phase between them.
+    #[must_use]
+    pub fn with_phases(mut self, phases: Option<Phases>) -> Self {
+        self.set_phases(phases);
+        self
+    }
+
+    /// Sets the phase between s and p, if they are kept apart; `None`: it is not known.
+    pub fn set_phases(&mut self, phases: Option<Phases>) {
+        let phases = phases.map(Arc::new);
+        let both = self.polarised.iter_mut().flat_map(|polarised| &mut polarised.both);
+        both.for_each(|one| one.phases.clone_from(&phases));
+    }
+
+    /// The phase between s and p, of the stack for light of either.
+    pub(crate) fn phases(&self) -> Option<&Phases> {
+        self.phases.as_deref()
+    }
+
+    /// Replaces the product of both amplitudes of the mirror, with as many states, if the phase is known: its real and its imaginary part.
+    pub fn set_products(&mut self, products: [Base; 2]) {
+        if let Some(mirrors) = self.mirrors_of_each.as_deref_mut() {
+            mirrors.products = Some(products);
+            return;
+        }
+        let Some([s, _]) = self.polarised() else { return };
+        if let Some(mut phases) = s.phases().cloned() {
+            phases.set_mirror(products);
+            self.set_phases(Some(phases));
+        }
+    }
+
+    /// The product of both amplitudes of the mirror, its real and its imaginary part, if the phase between s and p is known.
+    pub fn products(&self) -> Option<&[Base; 2]> {
+        if let Some(mirrors) = self.mirrors_of_each() {
+            return mirrors.products.as_ref();
+        }
+        let [s, _] = self.polarised()?;
+        Some(s.phases()?.mirror())
+    }
+
     /// What the stack is for light of s and of p, if they are kept apart.
     pub fn polarised(&self) -> Option<&[Self; 2]> {
         self.polarised.as_deref().map(|polarised| &polarised.both)
@@ -168,8 +220,8 @@ impl Stack {
         if let Some(both) = self.polarised() {
             return Some(both.each_ref().map(Self::base));
         }
-        if let Some(both) = self.mirrors_of_each() {
-            return Some(both.each_ref());
+        if let Some(mirrors) = self.mirrors_of_each() {
+            return Some(mirrors.both.each_ref());
         }
         self.in_runs.as_deref()?.mirrors().map(|mirrors| mirrors.each_ref())
     }
@@ -179,8 +231,8 @@ impl Stack {
         if let Some(polarised) = self.polarised.as_deref_mut() {
             return Some(polarised.both.each_mut().map(Self::base_mut));
         }
-        if let Some(both) = self.mirrors_of_each.as_deref_mut() {
-            return Some(both.each_mut());
+        if let Some(mirrors) = self.mirrors_of_each.as_deref_mut() {
+            return Some(mirrors.both.each_mut());
         }
         match &mut self.in_runs.as_deref_mut()?.mirror_run.as_deref_mut()?.mirror {
             Mirror::OfEach(mirrors) => Some(mirrors.each_mut()),
@@ -300,16 +352,17 @@ impl Stack {
         self.polarised_view = view.map(Arc::new);
     }
 
-    /// The same stack, for the tracer of Stokes parameters with a mirror-like pixel for light of s and of p.
+    /// The same stack, for the tracer of Stokes parameters with a mirror-like pixel for light of s and of p, and the real and the imaginary part of
+    /// the product of both amplitudes; without it, the pixel reflects as metal does, with opposite signs.
     #[must_use]
-    pub fn with_mirrors_of_each(mut self, both: [Base; 2]) -> Self {
+    pub fn with_mirrors_of_each(mut self, both: [Base; 2], products: Option<[Base; 2]>) -> Self {
         debug_assert!(self.base().is_specular());
-        self.mirrors_of_each = Some(Box::new(both));
+        self.mirrors_of_each = Some(Box::new(MirrorsOfEach { both, products }));
         self
     }
 
     /// That pixel.
-    pub(crate) fn mirrors_of_each(&self) -> Option<&[Base; 2]> {
+    pub(crate) fn mirrors_of_each(&self) -> Option<&MirrorsOfEach> {
         self.mirrors_of_each.as_deref()
     }
 
@@ -381,6 +434,7 @@ impl Stack {
             mirrors_of_each: None,
             polarised_view: None,
             of_each: None,
+            phases: None,
         }
     }
 

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use num_complex::Complex64;
-use papilio_optics::film::{GapFilm, LayerFringes, Polarisation, Thickness, Variable, most_fringes};
+use papilio_optics::film::{
+    self as optics, GapFilm, Layer, LayerFringes, Polarisation, Thickness, Variable, coherent, most_fringes,
+};
 use papilio_spectra::{Grid, Spectrum};
 use papilio_transport::{AngularTable, Base, CosinePanels, Nodes, Reflector, Stack};
 
@@ -71,7 +73,69 @@ pub(super) fn polarised_bases(
         reflector: Reflector::Specular(mixture.table(nodes.clone(), basis, film)),
         inactive_absorptance: inactive.clone(),
     });
-    Ok(Bases { mean, polarised: Some([s, p]), mueller: None })
+    Ok(Bases { mean, polarised: Some([s, p]), products: None, mueller: None })
+}
+
+/// Computes the product of both amplitudes of a film pixel, p times s*, as [`base`] computes its reflectance: real and imaginary part. The inactive
+/// area reflects as metal does along the normal, with opposite signs.
+pub(super) fn products(film: &FilmPixel, grid: &Grid, index: &Spectrum) -> Result<[Base; 2], DisplayError> {
+    let mixture = Mixture::new(film)?;
+    let (gaps_nm, all) = (&mixture.gaps_nm[..], (0..grid.len()).collect::<Vec<usize>>());
+    let few = few_bins(grid);
+    let size = [2 * gaps_nm.len(), grid.len()];
+    let at = |bins: &[usize], cosines: &[f64]| products_at(film, (grid, index, bins), gaps_nm, cosines);
+    let panels = table::panels(size, None, |cosines| at(&few, cosines), |cosines| at(&all, cosines))?;
+    let (panels, values) =
+        panels.ok_or_else(|| too_many_fringes(film, grid, gaps_nm, table::most_panels(size)))?;
+    let width = gaps_nm.len() * grid.len();
+    let part = |first: usize, inactive: f64| {
+        let basis =
+            values.chunks_exact(2 * width).flat_map(|row| &row[first..first + width]).copied().collect();
+        let inactive_reflectance = film.inactive_reflectance.map(|r| inactive * r);
+        let film = FilmPixel { inactive_reflectance, ..film.clone() };
+        let table = mixture.table(Nodes::CosinePanels(panels.clone()), basis, &film);
+        let inactive_absorptance = Spectrum::constant(grid, 0.0);
+        Base { reflector: Reflector::Specular(table), inactive_absorptance }
+    };
+    Ok([part(0, -1.0), part(width, 0.0)])
+}
+
+/// Computes the products at these cosines of the angle in the glass and some wavelengths of the grid: `[cosine][real, imaginary][gap][wavelength]`.
+fn products_at(
+    film: &FilmPixel,
+    (grid, index, bins): (&Grid, &Spectrum, &[usize]),
+    gaps_nm: &[f64],
+    cosines: &[f64],
+) -> Result<Vec<f64>, DisplayError> {
+    let nm = grid.wavelengths_nm();
+    let width = gaps_nm.len() * bins.len();
+    let mut values = Vec::with_capacity(cosines.len() * 2 * width);
+    for sine in sines(cosines) {
+        let mut products = Vec::with_capacity(width);
+        for gap_nm in gaps_nm {
+            for &bin in bins {
+                let layers = film.layers.iter().map(|layer| Layer {
+                    index: layer.index[bin],
+                    thickness_nm: match layer.thickness {
+                        Thickness::Fixed(nm) => nm,
+                        Thickness::Gap => *gap_nm,
+                    },
+                });
+                let (incidence, substrate) = (index[bin], film.substrate[bin]);
+                let stack = optics::Film { incidence, layers: layers.collect(), substrate };
+                let beta = incidence * sine;
+                let of = |polarisation| coherent(&stack, nm[bin], beta, polarisation).map(|found| found.r);
+                products.push(match beta < incidence {
+                    true => of(Polarisation::P)? * of(Polarisation::S)?.conj(),
+                    // Along the layers, both are reflected completely.
+                    false => Complex64::ONE,
+                });
+            }
+        }
+        values.extend(products.iter().map(|product| product.re));
+        values.extend(products.iter().map(|product| product.im));
+    }
+    Ok(values)
 }
 
 /// The table of a mirror.
@@ -536,7 +600,6 @@ fn at<T: Copy>(values: &[T], bins: &[usize]) -> Vec<T> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "tests express expectations by unwrapping")]
 mod tests {
-    use papilio_optics::film as optics;
     use papilio_transport::Medium;
 
     use super::*;

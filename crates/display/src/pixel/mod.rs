@@ -197,22 +197,40 @@ pub(crate) struct Bases {
     pub(crate) mean: Base,
     /// For light of s and of p, if the stack keeps them apart.
     pub(crate) polarised: Option<[Base; 2]>,
+    /// Real and imaginary part of the product of both amplitudes, p times s*, if their phase is followed.
+    pub(crate) products: Option<[Base; 2]>,
     /// For polarised light, if the pixel changes its polarisation and that is followed.
     pub(crate) mueller: Option<Arc<Mueller>>,
 }
 
-/// Computes the pixel as the base of a stack, as [`base`] does; for light of s and of p, too, if they are
-/// `kept_apart`, and between these cosines.
+/// Light that a pixel is computed for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Light<'a> {
+    /// s and p are kept apart.
+    pub(crate) kept_apart: bool,
+    /// The phase between them is followed, too.
+    pub(crate) phases: bool,
+    /// Ranges of the cosine in the glass; `None`: all.
+    pub(crate) cosines: Option<&'a [[f64; 2]]>,
+}
+
+/// Computes the pixel as the base of a stack, as [`base`] does, for this light.
 pub(crate) fn bases(
     scene: &Scene,
     film: &mut Option<FilmKey>,
     before: Option<&Stack>,
-    (kept_apart, cosines): (bool, Option<&[[f64; 2]]>),
+    Light { kept_apart, phases, cosines }: Light<'_>,
     control: &Control<'_>,
 ) -> Result<Bases, DisplayError> {
     match &scene.display.pixel {
         Pixel::Film(pixel) if kept_apart => {
-            film::polarised_bases(pixel, &scene.grid, scene.display.index_above_pixel(), film, before)
+            let index = scene.display.index_above_pixel();
+            let bases = film::polarised_bases(pixel, &scene.grid, index, film, before)?;
+            let products = match phases {
+                true => Some(film::products(pixel, &scene.grid, index)?),
+                false => None,
+            };
+            Ok(Bases { products, ..bases })
         }
         Pixel::Crystal(pixel) if kept_apart || polarisation::is_whole(scene) => {
             let phases = polarisation::needs_whole(scene);
@@ -227,7 +245,7 @@ pub(crate) fn bases(
             let index = scene.display.index_above_pixel();
             if cosines.is_some() && has_few_directions(scene) {
                 let (mean, mueller) = crystal::exact(pixel, &scene.grid, index)?;
-                return Ok(Bases { mean, polarised: None, mueller: Some(mueller) });
+                return Ok(Bases { mean, polarised: None, products: None, mueller: Some(mueller) });
             }
             let made = crystal::base(pixel, &scene.grid, index, seen, Some(control));
             let (mean, mueller) = match made {
@@ -238,15 +256,29 @@ pub(crate) fn bases(
                 }
                 made => made?,
             };
-            Ok(Bases { mean, polarised: None, mueller })
+            Ok(Bases { mean, polarised: None, products: None, mueller })
         }
         // Tables and uniform pixels have one reflectance for both.
         _ => {
             let mean = base(scene, film, before.map(Stack::base), (cosines, Some(control)))?;
             let polarised = kept_apart.then(|| [mean.clone(), mean.clone()]);
-            Ok(Bases { mean, polarised, mueller: None })
+            let products = phases.then(|| products_of_metal(&mean));
+            Ok(Bases { mean, polarised, products, mueller: None })
         }
     }
+}
+
+/// Returns the product of both amplitudes of a mirror that reflects s and p equally, as metal does along the normal: with opposite signs.
+fn products_of_metal(mirror: &Base) -> [Base; 2] {
+    let times = |factor: f64| {
+        let mut base = mirror.clone();
+        if let Reflector::Specular(table) = &mut base.reflector {
+            table.basis = table.basis.iter().map(|value| factor * value).collect();
+            table.common.iter_mut().for_each(|value| *value *= factor);
+        }
+        base
+    };
+    [times(-1.0), times(0.0)]
 }
 
 /// Returns whether adding sees a display from few directions: each is then computed, without a table.

@@ -158,7 +158,7 @@ fn reflection_of_zero_is_no_reflection() {
 }
 
 /// A polariser and a lamp between s and p, where nothing but scattered light is seen: what comes in has the fractions of s and p of the lamp,
-/// what leaves those of the polariser, so that X of any angles is bilinear in sin² of both. Where the mirror image of the lamp is seen, their phases matter.
+/// what leaves those of the polariser, so that X of any angles is bilinear in sin² of both.
 #[test]
 fn oblique_polarisers_and_lamps_are_computed_where_all_light_is_scattered() {
     let paper = "display={ layers = [{ kind = \"component\", reflectance = 0.05 }, \
@@ -191,7 +191,4 @@ fn oblique_polarisers_and_lamps_are_computed_where_all_light_is_scattered() {
     let found = corner(30.0, 25.0);
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     assert!((pp / ss - 1.0).abs() > 0.05, "{pp} {ss}");
-    // The image of the lamp: in the view, and of a disc that reaches into it.
-    assert!(seen(30.0, 25.0, 60.0, "").is_err() && seen(30.0, 25.0, 55.0, ", radius_deg = 6").is_err());
-    assert!(seen(90.0, 25.0, 60.0, "").is_ok());
 }

@@ -23,6 +23,8 @@
 //! **Validity.** That of [`coherent`], which computes every node. The two sides of an absorbing coating may
 //! differ; R + T <= 1 holds to rounding on both.
 
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use super::coherent::{Film, Layer, Polarisation, coherent_at};
@@ -36,7 +38,21 @@ const TOLERANCE: f64 = 1e-9;
 /// A coating at every wavelength, ready for look-ups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coating {
-    bins: Vec<Table>,
+    bins: Vec<Table<3, 1>>,
+    /// See [`with_products`](Coating::with_products): real and imaginary parts.
+    products: Option<Arc<[Table<6, 2>]>>,
+}
+
+/// Products `p s*` of the amplitudes of p and of s, over those of the light that arrives, whose sizes are the geometric means of
+/// the powers of both. Amplitudes of reflected p and s have opposite signs along the normal, as in [`Coherent::r`](super::Coherent::r).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Products {
+    /// Transmitted, the same in both directions; 0 from the smaller index on.
+    pub transmitted: Complex64,
+    /// Reflected, from above.
+    pub above: Complex64,
+    /// Reflected, from below.
+    pub below: Complex64,
 }
 
 /// Reflection and transmission of a flat part for light of one wavelength and direction; basic radiance.
@@ -52,13 +68,29 @@ pub struct CoatingPart {
 
 /// Table of one wavelength.
 #[derive(Debug, Clone, PartialEq)]
-struct Table {
+struct Table<const BOTH: usize, const DENSER: usize> {
     above_squared: f64,
     below_squared: f64,
-    /// Transmittance, reflectances from above and below; over `q/n` of the smaller index.
-    both: Piecewise<3>,
-    /// Reflectance from the denser side between the indices, where they differ.
-    denser: Option<Piecewise<1>>,
+    /// Transmission, reflections from above and below; over `q/n` of the smaller index.
+    both: Piecewise<BOTH>,
+    /// Reflection from the denser side between the indices, where they differ.
+    denser: Option<Piecewise<DENSER>>,
+}
+
+/// What a table has at a direction.
+enum Found<const BOTH: usize, const DENSER: usize> {
+    /// Below both indices.
+    Both([f64; BOTH]),
+    /// Between them.
+    Denser([f64; DENSER]),
+    /// No light.
+    Nothing,
+}
+
+/// A film as light from above and from below meets it.
+struct Sides {
+    down: Film,
+    up: Film,
 }
 
 impl Coating {
@@ -113,26 +145,54 @@ impl Coating {
         layers: &[SpectralLayer],
         below: &[f64],
     ) -> Result<Self, OpticsError> {
-        let expected = wavelengths_nm.len();
-        let arrays =
-            [("indices of the medium above", above.len()), ("indices of the medium below", below.len())];
-        let of_layers = layers.iter().map(|layer| ("indices of a layer", layer.index.len()));
-        for (what, found) in arrays.into_iter().chain(of_layers) {
-            if found != expected {
-                return Err(OpticsError::Length { what, expected, found });
-            }
-        }
-        let table = |bin: usize| {
-            let layers = layers.iter().map(|layer| layer_at(layer, bin)).collect::<Result<_, _>>()?;
-            Table::new(polarisation, wavelengths_nm[bin], above[bin], layers, below[bin])
+        let table = |at: At<'_>| {
+            let of = |film: &Film, beta, q| powers(polarisation, film, at.nm, beta, q);
+            let both = |sides: &Sides, beta, [above, below]: [Complex64; 2]| {
+                let [transmittance, reflectance] = of(&sides.down, beta, [above, below])?;
+                Ok([transmittance, reflectance, of(&sides.up, beta, [below, above])?[1]])
+            };
+            Table::new(at, both, |film, beta, q| Ok([of(film, beta, q)?[1]]))
         };
-        Ok(Self { bins: (0..expected).map(table).collect::<Result<_, _>>()? })
+        Ok(Self { bins: tables(wavelengths_nm, above, layers, below, table)?, products: None })
+    }
+
+    /// The same coating with the products of both amplitudes, by which light between s and p is reflected and transmitted.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), whose arguments these are.
+    pub fn with_products(
+        self,
+        wavelengths_nm: &[f64],
+        above: &[f64],
+        layers: &[SpectralLayer],
+        below: &[f64],
+    ) -> Result<Self, OpticsError> {
+        let table = |at: At<'_>| {
+            let both = |sides: &Sides, beta, [above, below]: [Complex64; 2]| {
+                let [transmitted, from_above] = products(&sides.down, at.nm, beta, [above, below])?;
+                let [_, from_below] = products(&sides.up, at.nm, beta, [below, above])?;
+                let [t, a, b] = [transmitted, from_above, from_below];
+                Ok([t.re, t.im, a.re, a.im, b.re, b.im])
+            };
+            let denser = |film: &Film, beta, q| {
+                let [_, reflected] = products(film, at.nm, beta, q)?;
+                Ok([reflected.re, reflected.im])
+            };
+            Table::new(at, both, denser)
+        };
+        let products = tables(wavelengths_nm, above, layers, below, table)?;
+        Ok(Self { products: Some(products.into()), ..self })
     }
 
     /// Returns the reflection and transmission at `|beta|^2` and wavelength number `bin`.
     #[inline]
     pub fn part(&self, beta_squared: f64, bin: usize) -> CoatingPart {
         self.bins[bin].part(beta_squared)
+    }
+
+    /// Returns the products of both amplitudes at `|beta|^2` and wavelength number `bin`, if it has them.
+    pub fn products(&self, beta_squared: f64, bin: usize) -> Option<Products> {
+        Some(self.products.as_deref()?[bin].products(beta_squared))
     }
 
     /// Returns the `|beta|^2` between which the parts of a wavelength are smooth: the ends of the pieces of its
@@ -142,6 +202,38 @@ impl Coating {
     }
 }
 
+/// A coating at one wavelength.
+#[derive(Clone, Copy)]
+struct At<'a> {
+    nm: f64,
+    above: f64,
+    layers: &'a [Layer],
+    below: f64,
+}
+
+/// Returns a table for each wavelength.
+fn tables<T>(
+    wavelengths_nm: &[f64],
+    above: &[f64],
+    layers: &[SpectralLayer],
+    below: &[f64],
+    table: impl Fn(At<'_>) -> Result<T, OpticsError>,
+) -> Result<Vec<T>, OpticsError> {
+    let expected = wavelengths_nm.len();
+    let arrays = [("indices of the medium above", above.len()), ("indices of the medium below", below.len())];
+    let of_layers = layers.iter().map(|layer| ("indices of a layer", layer.index.len()));
+    for (what, found) in arrays.into_iter().chain(of_layers) {
+        if found != expected {
+            return Err(OpticsError::Length { what, expected, found });
+        }
+    }
+    let at = |bin: usize| {
+        let layers: Vec<Layer> = layers.iter().map(|layer| layer_at(layer, bin)).collect::<Result<_, _>>()?;
+        table(At { nm: wavelengths_nm[bin], above: above[bin], layers: &layers, below: below[bin] })
+    };
+    (0..expected).map(at).collect()
+}
+
 fn layer_at(layer: &SpectralLayer, bin: usize) -> Result<Layer, OpticsError> {
     match layer.thickness {
         Thickness::Fixed(thickness_nm) => Ok(Layer { index: layer.index[bin], thickness_nm }),
@@ -149,21 +241,22 @@ fn layer_at(layer: &SpectralLayer, bin: usize) -> Result<Layer, OpticsError> {
     }
 }
 
-impl Table {
+impl<const BOTH: usize, const DENSER: usize> Table<BOTH, DENSER> {
+    /// Tabulates a coating: what it has on `both` sides, given `q` above and below, and on the `denser` one, given a film and `q` of
+    /// its medium of incidence and of its substrate.
     fn new(
-        polarisation: Option<Polarisation>,
-        nm: f64,
-        above: f64,
-        layers: Vec<Layer>,
-        below: f64,
+        At { nm, above, layers, below }: At<'_>,
+        on_both: impl Fn(&Sides, f64, [Complex64; 2]) -> Result<[f64; BOTH], OpticsError>,
+        on_denser: impl Fn(&Film, f64, [Complex64; 2]) -> Result<[f64; DENSER], OpticsError>,
     ) -> Result<Self, OpticsError> {
         checked_wavelength(nm)?;
-        let powers = |film: &Film, beta: f64, q: [Complex64; 2]| powers(polarisation, film, nm, beta, q);
         let (above, below) = (checked_incidence(above)?, checked_incidence(below)?);
-        let fringes = too_many_fringes(&layers, nm);
+        let fringes = || too_many_fringes(layers, nm);
         let from_below = layers.iter().rev().copied().collect();
-        let down = Film { incidence: above, layers, substrate: below.into() };
-        let up = Film { incidence: below, layers: from_below, substrate: above.into() };
+        let sides = Sides {
+            down: Film { incidence: above, layers: layers.to_vec(), substrate: below.into() },
+            up: Film { incidence: below, layers: from_below, substrate: above.into() },
+        };
         let (smaller, larger) = (above.min(below), above.max(below));
 
         let gap = ((larger - smaller) * (larger + smaller)).sqrt();
@@ -173,21 +266,19 @@ impl Table {
             let beta = smaller * ((1.0 - x) * (1.0 + x)).sqrt();
             let (q_smaller, q_larger) = (smaller * x, gap.hypot(smaller * x));
             let q = if above > below { [q_larger, q_smaller] } else { [q_smaller, q_larger] };
-            let [q_above, q_below] = q.map(Complex64::from);
-            let [transmittance, above] = powers(&down, beta, [q_above, q_below])?;
-            Ok([transmittance, above, powers(&up, beta, [q_below, q_above])?[1]])
+            on_both(&sides, beta, q.map(Complex64::from))
         })?;
         let denser = |x: f64| {
             let (beyond, within) = (2.0 * x / (1.0 + x * x), (1.0 - x) * (1.0 + x) / (1.0 + x * x));
-            let film = if above > below { &down } else { &up };
+            let film = if above > below { &sides.down } else { &sides.up };
             let q = [Complex64::from(gap * within), Complex64::new(0.0, gap * beyond)];
-            Ok([powers(film, smaller.hypot(gap * beyond), q)?[1]])
+            on_denser(film, smaller.hypot(gap * beyond), q)
         };
         let denser = match above == below {
             true => None,
-            false => Some(Piecewise::new(TOLERANCE, Coating::MOST_PANELS, denser)?.ok_or(fringes)?),
+            false => Some(Piecewise::new(TOLERANCE, Coating::MOST_PANELS, denser)?.ok_or_else(fringes)?),
         };
-        let both = both.ok_or(fringes)?;
+        let both = both.ok_or_else(fringes)?;
         Ok(Self { above_squared: above * above, below_squared: below * below, both, denser })
     }
 
@@ -200,28 +291,63 @@ impl Table {
         both.chain(beyond).collect()
     }
 
-    fn part(&self, beta_squared: f64) -> CoatingPart {
+    #[inline]
+    fn at(&self, beta_squared: f64) -> Found<BOTH, DENSER> {
         let smaller = self.above_squared.min(self.below_squared);
         if beta_squared < smaller {
-            let x = (1.0 - beta_squared / smaller).sqrt();
-            let [transmittance, above, below] = self.both.at(x);
-            // Interpolation errors must not create light.
-            let [above, below] = [above, below].map(|r| r.clamp(0.0, 1.0));
-            let transmittance = transmittance.clamp(0.0, 1.0 - above.max(below));
-            return CoatingPart { transmittance, above, below };
+            return Found::Both(self.both.at((1.0 - beta_squared / smaller).sqrt()));
         }
         let larger = self.above_squared.max(self.below_squared);
-        let reflectance = match &self.denser {
+        match &self.denser {
             Some(table) if beta_squared < larger => {
                 let (beyond, within) = ((beta_squared - smaller).sqrt(), (larger - beta_squared).sqrt());
-                let [r] = table.at(beyond / ((larger - smaller).sqrt() + within));
-                r.clamp(0.0, 1.0)
+                Found::Denser(table.at(beyond / ((larger - smaller).sqrt() + within)))
             }
-            _ => 0.0,
-        };
-        let (above, below) =
-            if self.above_squared > self.below_squared { (reflectance, 0.0) } else { (0.0, reflectance) };
-        CoatingPart { transmittance: 0.0, above, below }
+            _ => Found::Nothing,
+        }
+    }
+
+    /// Returns what light from above and from below has of that of the denser side.
+    fn of_denser<T: Default>(&self, value: T) -> [T; 2] {
+        if self.above_squared > self.below_squared { [value, T::default()] } else { [T::default(), value] }
+    }
+}
+
+impl Table<3, 1> {
+    #[inline]
+    fn part(&self, beta_squared: f64) -> CoatingPart {
+        // Interpolation errors must not create light.
+        match self.at(beta_squared) {
+            Found::Both([transmittance, above, below]) => {
+                let [above, below] = [above, below].map(|r| r.clamp(0.0, 1.0));
+                let transmittance = transmittance.clamp(0.0, 1.0 - above.max(below));
+                CoatingPart { transmittance, above, below }
+            }
+            Found::Denser([reflectance]) => {
+                let [above, below] = self.of_denser(reflectance.clamp(0.0, 1.0));
+                CoatingPart { transmittance: 0.0, above, below }
+            }
+            Found::Nothing => CoatingPart { transmittance: 0.0, above: 0.0, below: 0.0 },
+        }
+    }
+}
+
+impl Table<6, 2> {
+    fn products(&self, beta_squared: f64) -> Products {
+        match self.at(beta_squared) {
+            Found::Both([t, t_im, above, above_im, below, below_im]) => Products {
+                transmitted: Complex64::new(t, t_im),
+                above: Complex64::new(above, above_im),
+                below: Complex64::new(below, below_im),
+            },
+            Found::Denser([re, im]) => {
+                let [above, below] = self.of_denser(Complex64::new(re, im));
+                Products { transmitted: Complex64::ZERO, above, below }
+            }
+            Found::Nothing => {
+                Products { transmitted: Complex64::ZERO, above: Complex64::ZERO, below: Complex64::ZERO }
+            }
+        }
     }
 }
 
@@ -251,4 +377,16 @@ fn powers(
     }
     let (s, p) = (of(Polarisation::S)?, of(Polarisation::P)?);
     Ok([0.5 * (s.transmittance + p.transmittance), 0.5 * (s.reflectance + p.reflectance)])
+}
+
+/// Returns the products of both amplitudes, transmitted and reflected; a ray along the layers is reflected completely, with equal signs.
+fn products(film: &Film, nm: f64, beta: f64, q: [Complex64; 2]) -> Result<[Complex64; 2], OpticsError> {
+    if q[0].re <= 0.0 {
+        return Ok([Complex64::ZERO, Complex64::ONE]);
+    }
+    let of = |polarisation| coherent_at(film, nm, beta, q, polarisation);
+    let (s, p) = (of(Polarisation::S)?, of(Polarisation::P)?);
+    // Nothing is transmitted where light is evanescent.
+    let flux = q[1].re / q[0].re;
+    Ok([p.t * s.t.conj() * flux, p.r * s.r.conj()])
 }

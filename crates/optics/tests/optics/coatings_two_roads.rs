@@ -275,3 +275,46 @@ fn absorbing_films_on_any_substrate_equal_tmm() {
     }
     assert_eq!(rows, 8 * 3 * 13 * 7);
 }
+
+/// Products of the amplitudes of p and s: those of the reference implementation at random directions below both indices, of which the sizes are the geometric
+/// means of the powers; and the phase of total reflection at a bare face (Born and Wolf, 1.5.4) where the film is the medium above.
+#[test]
+fn products_of_amplitudes_equal_the_reference() {
+    let films = [layer(2.1, 0.02, 140.0), layer(1.38, 0.0, 95.0)];
+    for (above, below) in [(1.0, 1.52), (1.7, 1.45), (1.5, 1.5)] {
+        let films = spectral(&films);
+        let coating = Coating::new(&[NM], &[above], &films, &[below]).unwrap();
+        let coating = coating.with_products(&[NM], &[above], &films, &[below]).unwrap();
+        let random = SampleStream::new(Sampler::Random, 7, 0);
+        for path in 0..200 {
+            let beta = random.block(path, 0)[0] * above.min(below);
+            let of = |[incidence, substrate]: [f64; 2], layers: Vec<Layer>| {
+                let film = Film { incidence, layers, substrate: substrate.into() };
+                [Polarisation::S, Polarisation::P].map(|one| coherent(&film, NM, beta, one).unwrap())
+            };
+            let down = [layer(2.1, 0.02, 140.0), layer(1.38, 0.0, 95.0)];
+            let up = down.into_iter().rev().collect();
+            let [s, p] = of([above, below], down.to_vec());
+            let [s_up, p_up] = of([below, above], up);
+            let found = coating.products(beta * beta, 0).unwrap();
+            assert!((found.above - p.r * s.r.conj()).norm() < 1e-8, "{above} {beta}: {found:?}");
+            assert!((found.below - p_up.r * s_up.r.conj()).norm() < 1e-8, "{above} {beta}: {found:?}");
+            // The phase, and the power of both: the electric field alone is not that of the power.
+            let phase = p.t * s.t.conj() / (p.t * s.t.conj()).norm();
+            let expected = phase * (p.transmittance * s.transmittance).sqrt();
+            assert!((found.transmitted - expected).norm() < 1e-8, "{above} {beta}: {found:?} {expected}");
+        }
+    }
+    let films = spectral(&[layer(1.5, 0.0, 200.0)]);
+    let coating = Coating::new(&[NM], &[1.5], &films, &[1.0]).unwrap();
+    let coating = coating.with_products(&[NM], &[1.5], &films, &[1.0]).unwrap();
+    let theta = 55.0_f64.to_radians();
+    let found = coating.products((1.5 * theta.sin()).powi(2), 0).unwrap();
+    let shift =
+        2.0 * (theta.cos() * (theta.sin().powi(2) - 1.5_f64.powi(-2)).sqrt() / theta.sin().powi(2)).atan();
+    assert!(
+        (found.above.arg().abs() - shift).abs() < 1e-7 && (found.above.norm() - 1.0).abs() < 1e-7,
+        "{found:?}"
+    );
+    assert_eq!(found.transmitted, Complex64::ZERO);
+}

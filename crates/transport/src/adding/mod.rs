@@ -338,7 +338,7 @@ impl Kernel {
             }
         };
         match &self.rays {
-            Some(rays) => estimate.rho = rays.seen(stack, view),
+            Some(rays) => estimate.rho = rays.seen(lit, view),
             None => self.change(lit, view, &mut estimate.rho),
         }
         (!stop.load(Ordering::Relaxed)).then_some(estimate)
@@ -362,7 +362,7 @@ impl Kernel {
             return s.iter().zip(&p).zip(weights).map(|((s, p), weights)| s.mixed_with(p, weights)).collect();
         }
         if let Some(rays) = &self.rays {
-            return rays.seen(stack, view);
+            return rays.seen(lit, view);
         }
         match (stack.panel(), &self.kind) {
             (Some(panel), Kind::Panel(kernel)) => {

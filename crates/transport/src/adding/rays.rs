@@ -2,6 +2,8 @@
 //!
 //! Nothing scatters: a ray that a view sees has left a source in the mirrored direction, and its weight depends on both.
 
+use papilio_optics::Beta;
+
 use crate::light::cone_points::{Nodes, Point};
 use crate::polarised_view::seen_in;
 use crate::specular::specular_image;
@@ -18,6 +20,8 @@ struct OfView {
     across: f64,
     /// By source, with the weight of the polarisation.
     points: Vec<Vec<Point>>,
+    /// By source, with the weight of the product of both amplitudes, in the rays of s.
+    products: Vec<Vec<Point>>,
 }
 
 impl Rays {
@@ -31,15 +35,29 @@ impl Rays {
         let view = |cone: &Cone| {
             let across = across(stack, cone);
             let nodes = Nodes { rings: (digits / 2.5) as usize, across };
-            let of_source = |(number, source): (usize, &Source)| {
-                let lit = (number, source.direction());
-                let weighted = |Point { beta, weight }| Point {
-                    beta,
-                    weight: weight * seen.weights(Some(cone), lit, beta)[polarisation],
+            let all: Vec<Vec<Point>> =
+                sources.iter().map(|source| seen_in(cone, source, (digits, nodes))).collect();
+            let weighted = |factor: &dyn Fn((usize, Option<Beta>), Beta) -> f64| {
+                let of_source = |(number, (points, source)): (usize, (&Vec<Point>, &Source))| {
+                    let lit = (number, source.direction());
+                    let one = |point: &Point| Point {
+                        beta: point.beta,
+                        weight: point.weight * factor(lit, point.beta),
+                    };
+                    points.iter().map(one).filter(|point| point.weight != 0.0).collect()
                 };
-                seen_in(cone, source, (digits, nodes)).into_iter().map(weighted).collect()
+                all.iter().zip(sources).enumerate().map(of_source).collect::<Vec<Vec<Point>>>()
             };
-            OfView { cone: *cone, across, points: sources.iter().enumerate().map(of_source).collect() }
+            let (points, products) = match stack.phases() {
+                None => {
+                    (weighted(&|lit, beta| seen.weights(Some(cone), lit, beta)[polarisation]), Vec::new())
+                }
+                Some(_) => {
+                    let of = |one: usize| weighted(&|lit, beta| seen.products(Some(cone), lit, beta)[one]);
+                    (of(polarisation), if polarisation == 0 { of(2) } else { Vec::new() })
+                }
+            };
+            OfView { cone: *cone, across, points, products }
         };
         Self(views.iter().map(view).collect())
     }
@@ -52,12 +70,15 @@ impl Rays {
     /// Returns what a view sees of each source.
     pub(super) fn seen(&self, stack: &Stack, view: usize) -> Vec<ReflectanceFactor> {
         let Some(view) = self.0.get(view) else { return Vec::new() };
-        let of_source = |points: &Vec<Point>| {
+        let of_source = |(number, points): (usize, &Vec<Point>)| {
             let mut sum = ReflectanceFactor::zeros(stack.base().states(), stack.base().bins());
             points.iter().for_each(|point| sum.add(&specular_image(stack, point.beta), point.weight));
+            if let (Some(phases), Some(products)) = (stack.phases(), view.products.get(number)) {
+                products.iter().for_each(|point| sum.add(&phases.image(point.beta), point.weight));
+            }
             sum
         };
-        view.points.iter().map(of_source).collect()
+        view.points.iter().enumerate().map(of_source).collect()
     }
 }
 

@@ -28,12 +28,15 @@ impl Crossed {
         Self { t: real(flat.t), above: real(sign * flat.above), below: real(sign * flat.below) }
     }
 
-    /// That of an interface, which reflects and transmits s and p in these ways. Sheets reflect as metal does along the normal; so do coatings, whose
-    /// phase between s and p is left out.
+    /// That of an interface, which reflects and transmits s and p in these ways; a coating is that of s, with its products. Sheets reflect as metal does
+    /// along the normal; so do coatings without products.
     pub(crate) fn of(interface: &Interface, [s, p]: [Flat; 2], at: &Incidence) -> Self {
         let mean = |a: f64, b: f64| (a * b).max(0.0).sqrt();
         let both = Flat { t: mean(s.t, p.t), above: mean(s.above, p.above), below: mean(s.below, p.below) };
         match interface {
+            Interface::Coating(coating) if let Some(found) = coating.products(at.beta_squared, at.bin) => {
+                Self { t: found.transmitted, above: found.above, below: found.below }
+            }
             Interface::Fresnel | Interface::FresnelOf(_) => {
                 let [above, below] = at.indices;
                 let t = Complex64::new(both.t, 0.0);

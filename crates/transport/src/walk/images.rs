@@ -11,7 +11,7 @@ use papilio_sampling::{SampleStream, Sampler};
 
 use super::{PathNumbers, Target};
 use crate::specular::image_in;
-use crate::{Cone, Estimate, Panel, ReflectanceFactor, Reflector, Source, Stack, Top, WholeView};
+use crate::{Cone, Estimate, Panel, Phases, ReflectanceFactor, Reflector, Source, Stack, Top, WholeView};
 
 /// Points of the view at which fields are evaluated before the first path.
 const POINTS: u64 = 1 << 13;
@@ -26,6 +26,8 @@ pub(super) struct Images<'a> {
     mirrors: bool,
     /// What is polarised, and which polarisation these are of: s (0) or p (1).
     polarised: Option<(WholeView, usize)>,
+    /// The phase between s and p, if it is known.
+    phases: Option<&'a Phases>,
 }
 
 /// A source whose image may be visible.
@@ -48,6 +50,7 @@ impl<'a> Images<'a> {
         view: Cone,
         sources: &[Source],
         polarised: Option<(WholeView, usize)>,
+        phases: Option<&'a Phases>,
     ) -> Self {
         let seen = sources.iter().enumerate().filter_map(|(source, light)| {
             let cone = match light {
@@ -61,7 +64,7 @@ impl<'a> Images<'a> {
             Some(VisibleSource { source, light: light.clone(), cone, share })
         });
         let seen = seen.collect();
-        Self { stack, view, seen, mirrors: mirrors(stack), polarised }
+        Self { stack, view, seen, mirrors: mirrors(stack), polarised, phases }
     }
 
     /// As [`Walk::rarest`](super::Walk::rarest): where a small part of the view sees an image with another
@@ -114,11 +117,19 @@ impl<'a> Images<'a> {
             };
             let Some(strength) = strength.filter(|_| self.view.holds(beta)) else { continue };
             let of = (seen.source, seen.light.direction());
-            let weight = self
-                .polarised
-                .as_ref()
-                .map_or(1.0, |(polarised, number)| polarised.weights(Some(&self.view), of, beta)[*number]);
-            sum.add(&image_in(self.stack, &self.view, of, beta), weight * seen.share * strength);
+            let share = seen.share * strength;
+            let weight = match (&self.polarised, self.phases) {
+                (None, _) => 1.0,
+                (Some((polarised, number)), None) => polarised.weights(Some(&self.view), of, beta)[*number],
+                (Some((polarised, number)), Some(phases)) => {
+                    let products = polarised.products(Some(&self.view), of, beta);
+                    if *number == 0 {
+                        sum.add(&phases.image(beta), products[2] * share);
+                    }
+                    products[*number]
+                }
+            };
+            sum.add(&image_in(self.stack, &self.view, of, beta), weight * share);
         }
     }
 

@@ -192,7 +192,7 @@ impl<'a> Walk<'a> {
             Some(light) => Cow::Owned(light.sources(&sources, None).into_owned()),
             None => sources,
         };
-        let images = Images::new(stack, view, &sources, polarised);
+        let images = Images::new(stack, view, &sources, polarised, lit.phases());
         let kind = match stack.panel() {
             None => Kind::Layered(Box::new(Layered::new(stack, view, sources)), images),
             Some(panel) => match &panel.top {

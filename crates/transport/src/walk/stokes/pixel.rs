@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex64;
 use papilio_optics::{Beta, Scatterer};
 use papilio_sampling::warp;
 
 use super::Stokes;
 use super::row;
 use super::sums::{Path, Run, intensities, unpolarised};
-use crate::front::Flat;
-use crate::layers::{Crossed, Departure};
+use crate::layers::Departure;
 use crate::mueller::Factors;
 use crate::skeleton::Propagation::Up;
 use crate::{Base, Medium, Reflector, ScatterKernel};
@@ -48,15 +48,16 @@ impl Stokes<'_> {
 
     fn reflect(&self, base: &Base, medium: &Medium, path: &mut Path) {
         let of = |base: &Base| self.reflectance(base, medium, path.beta);
-        let [s, p] = match self.lit.mirrors_of_each() {
-            Some(both) => both.each_ref().map(of),
-            None => [of(base), of(base)],
-        };
+        let mirrors = self.lit.mirrors_of_each();
+        let [s, p] = mirrors.map_or_else(|| [of(base), of(base)], |mirrors| mirrors.both.each_ref().map(of));
+        let products = mirrors.and_then(|mirrors| Some(mirrors.products.as_ref()?.each_ref().map(of)));
         for (k, row) in path.rows.iter_mut().enumerate() {
             let (s, p) = (s[k], p[k]);
-            let r = (s * p).max(0.0).sqrt();
-            // As a mirror of metal.
-            let crossed = Crossed::of_both(Flat { t: 0.0, above: r, below: r }, -1.0).above;
+            let crossed = match &products {
+                Some([re, im]) => Complex64::new(re[k], im[k]),
+                // As a mirror of metal.
+                None => Complex64::new(-(s * p).max(0.0).sqrt(), 0.0),
+            };
             *row = row::behind(Factors { p, s, crossed }, *row);
         }
         path.going = Up;
