@@ -32,11 +32,15 @@ pub(crate) fn show_one(shown: &Shown<'_>) -> Result<(), Failure> {
     show(&shown.command, &request.resolved, |control| request.computed(control))
 }
 
-/// Shows one picture without printing; returns its numbers.
-pub(crate) fn write_one(shown: &Shown<'_>, resolved: Resolved) -> Result<ImageNumbers, Failure> {
+/// Shows one picture without printing; returns its numbers and the names of its files.
+pub(crate) fn write_one(
+    shown: &Shown<'_>,
+    resolved: Resolved,
+) -> Result<(ImageNumbers, Vec<String>), Failure> {
     let request = Request::of(shown, resolved)?;
-    let output = compute_files(&shown.command, &request.resolved, |control| request.computed(control))?;
-    Ok(output.here.numbers)
+    let (output, names) =
+        compute_files(&shown.command, &request.resolved, |control| request.computed(control))?;
+    Ok((output.here.numbers, names))
 }
 
 /// A picture that is shown in one or several rooms.

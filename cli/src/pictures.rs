@@ -2,7 +2,7 @@
 //! picture, or all of a folder.
 //!
 //! A folder has a file `pictures.json` with the numbers of its pictures, which is written after each of them: the same command
-//! skips those that are finished.
+//! skips those whose files are all there, with the same bytes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -114,6 +114,12 @@ struct Finished {
     hash: String,
     /// What else the command states.
     arguments: String,
+    /// Version of the program; empty in records of earlier ones.
+    #[serde(default)]
+    papilio: String,
+    /// SHA-256 of each file of its results, by name; empty in records of earlier versions.
+    #[serde(default)]
+    files: BTreeMap<String, String>,
     /// S-CIELAB against the photograph, mean.
     scielab_mean: Option<f64>,
     hue_error_deg: Option<f64>,
@@ -141,20 +147,12 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
         .ok()
         .and_then(|bytes| serde_json::from_slice(&bytes).ok())
         .unwrap_or_default();
-    // Threads and the folder do not change a result.
-    let stated = format!(
-        "{:?} {:?} {:?} {} {} {:?}",
-        arguments.relative_to,
-        arguments.space,
-        arguments.rooms,
-        arguments.device_colours,
-        arguments.command.png,
-        arguments.frame
-    );
+    let known = |results: &String| before.iter().find(|one| one.results == *results);
+    let stated = stated(arguments);
     let mut all: Vec<Finished> = Vec::new();
     let mut wrong = Vec::new();
     let mut warnings: Vec<String> = Vec::new();
-    for (path, results) in &pictures {
+    for (number, (path, results)) in pictures.iter().enumerate() {
         let picture = path.display().to_string();
         let mut command = arguments.command.clone();
         // Results of a picture are files, whatever is printed.
@@ -162,17 +160,15 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
         let shown = Shown { arguments, command, picture: Some(picture.clone()) };
         let mut one = || {
             let resolved = shown.resolved()?;
-            let is_it = |one: &&Finished| (&one.hash, &one.arguments) == (&resolved.hash, &stated);
-            let is_there = || out.join(results).join("image.json").exists();
-            if let Some(known) = before.iter().filter(|one| one.results == *results).find(is_it)
-                && is_there()
-            {
+            let is_it = |one: &&Finished| one.is_of(&resolved.hash, &stated) && one.is_whole(&out);
+            if let Some(known) = known(results).filter(is_it) {
                 return Ok(known.clone());
             }
             let hash = resolved.hash.clone();
-            let numbers = image::write_one(&shown, resolved)?;
-            warnings.extend(numbers.warnings.iter().cloned());
-            Ok(Finished::new(&picture, results, hash, &stated, &numbers))
+            let (numbers, names) = image::write_one(&shown, resolved)?;
+            let finished = Finished::new([&picture, results, &hash, &stated], &numbers);
+            warnings.extend(numbers.warnings);
+            finished.with_files(&out, names)
         };
         match one() {
             Ok(finished) => all.push(finished),
@@ -184,13 +180,17 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
             Err(failure) => {
                 print_message(&failure);
                 wrong.push(picture);
-                continue;
             }
         }
-        interrupt::uninterrupted(|| {
-            output::make_folder(&out)?;
-            write_file(&out.join(ALL), |out| write_json(out, &all)).map_err(Failure::from)
-        })?;
+        // Those of an earlier command that are not reached yet, so that it can be interrupted again.
+        let later = pictures[number + 1..].iter().filter_map(|(_, results)| known(results));
+        let written: Vec<&Finished> = all.iter().chain(later).collect();
+        if !(all.is_empty() && before.is_empty()) {
+            interrupt::uninterrupted(|| {
+                output::make_folder(&out)?;
+                write_file(&out.join(ALL), |out| write_json(out, &written)).map_err(Failure::from)
+            })?;
+        }
     }
     print(&all, arguments.command.json)?;
     if !all.is_empty() {
@@ -206,6 +206,28 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
         pictures.len(),
         wrong.join(", ")
     )))
+}
+
+/// What determines the files of a picture besides its scenario. Threads and the folder do not change a result.
+fn stated(arguments: &ImageCommand) -> String {
+    let on = arguments.on.map(|display| display.name);
+    // The file may have other content under the same name; one that cannot be read is an error of the picture.
+    let since = arguments.frame.since.as_deref().map(|path| sha256(path).ok());
+    format!(
+        "{:?} {:?} {:?} {} {} {:?} {on:?} {since:?}",
+        arguments.relative_to,
+        arguments.space,
+        arguments.rooms,
+        arguments.device_colours,
+        arguments.command.png,
+        arguments.frame
+    )
+}
+
+/// SHA-256 of a file, in hexadecimal digits.
+fn sha256(path: &Path) -> Result<String, Failure> {
+    let file = DataFile::open_within(path, &path.display().to_string(), u64::MAX)?;
+    Ok(MemoryFile::new(file).sha256().to_owned())
 }
 
 /// Contents of a folder.
@@ -272,18 +294,41 @@ fn pictures_in(folder: &Path) -> Result<Contents, Failure> {
 }
 
 impl Finished {
-    fn new(picture: &str, results: &str, hash: String, arguments: &str, numbers: &ImageNumbers) -> Self {
+    fn new([picture, results, hash, arguments]: [&str; 4], numbers: &ImageNumbers) -> Self {
         let against = numbers.against_photograph;
         Self {
             picture: picture.to_owned(),
             results: results.to_owned(),
-            hash,
+            hash: hash.to_owned(),
             arguments: arguments.to_owned(),
+            papilio: env!("CARGO_PKG_VERSION").to_owned(),
+            files: BTreeMap::new(),
             scielab_mean: against.scielab_mean,
             hue_error_deg: against.hue_error_deg,
             chroma_ratio: against.chroma_ratio,
             local_contrast_ratio: against.local_contrast_ratio,
         }
+    }
+
+    /// Adds the files of these names, which are in its folder within `out`.
+    fn with_files(self, out: &Path, names: Vec<String>) -> Result<Self, Failure> {
+        let folder = out.join(&self.results);
+        let with_sum = |name: String| Ok((name.clone(), sha256(&folder.join(name))?));
+        let files = names.into_iter().map(with_sum).collect::<Result<_, Failure>>()?;
+        Ok(Self { files, ..self })
+    }
+
+    /// Whether this program would compute it from a scenario with this hash, and these other arguments.
+    fn is_of(&self, hash: &str, arguments: &str) -> bool {
+        (&*self.hash, &*self.arguments, &*self.papilio) == (hash, arguments, env!("CARGO_PKG_VERSION"))
+    }
+
+    /// Whether all its files are as they were written.
+    fn is_whole(&self, out: &Path) -> bool {
+        let folder = out.join(&self.results);
+        let is_same =
+            |(name, sum): (&String, &String)| sha256(&folder.join(name)).is_ok_and(|found| found == *sum);
+        !self.files.is_empty() && self.files.iter().all(is_same)
     }
 }
 

@@ -89,18 +89,18 @@ pub(crate) fn show<R: SpatialOutput>(
     Ok(())
 }
 
-/// Computes a result, and writes its files to the folder of the arguments without printing anything but progress.
+/// Computes a result, and writes its files to the folder of the arguments without printing anything but progress; returns their
+/// names, too.
 pub(crate) fn compute_files<R: SpatialOutput>(
     arguments: &SpatialCommand,
     resolved: &Resolved,
     compute: impl FnOnce(&Control<'_>) -> Result<R, DisplayError>,
-) -> Result<R, Failure> {
+) -> Result<(R, Vec<String>), Failure> {
     let (result, folder) = computed(arguments, resolved, compute)?;
-    if let Some(folder) = &folder {
-        let title = title(arguments, resolved);
-        interrupt::uninterrupted(|| write(folder, &result, resolved, &title, arguments.png))?;
-    }
-    Ok(result)
+    let title = title(arguments, resolved);
+    let write = |folder: &ResultFolder| write(folder, &result, resolved, &title, arguments.png);
+    let names = folder.as_ref().map(|folder| interrupt::uninterrupted(|| write(folder))).transpose()?;
+    Ok((result, names.unwrap_or_default()))
 }
 
 /// Computes a result; the folder for its files is checked before.

@@ -3,12 +3,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Output, Stdio};
+use std::time::Duration;
 
 use papilio_formats::{DataFile, RgbSpace, read_picture, write_rgb_png, write_scene_exr};
 use serde_json::Value;
 
-use crate::common::{names, papilio_command as papilio, scenario, stderr};
+use crate::common::{files, names, papilio_command as papilio, same, scenario, stderr};
 
 fn image(file: &Path, more: &[&str]) -> Output {
     papilio().arg("image").arg(file).args(more).output().unwrap()
@@ -218,6 +219,103 @@ fn folders_of_pictures_are_resumed() {
     fs::remove_file(photographs.join("a.png")).unwrap();
     fs::remove_file(photographs.join("b.PNG")).unwrap();
     assert!(stderr(&run(&[])).contains("contains no picture"), "{}", stderr(&run(&[])));
+}
+
+/// A finished picture is computed again if one of its files is not as it was written, or if its record does not say how that was.
+#[test]
+fn pictures_with_missing_or_damaged_files_are_computed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let photographs = folder.path().join("photographs");
+    fs::create_dir(&photographs).unwrap();
+    picture(&photographs, &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    let out = folder.path().join("out");
+    let run = || {
+        let output = image(
+            &scenario("six-ink"),
+            &[
+                photographs.to_str().unwrap(),
+                "--rooms",
+                "D65",
+                "--frame",
+                "bmp",
+                "--out",
+                out.to_str().unwrap(),
+            ],
+        );
+        assert!(output.status.success(), "{}", stderr(&output));
+    };
+    run();
+    let of_one = out.join("picture");
+    let whole = files(&of_one);
+    assert_eq!(whole.len(), 7, "{:?}", whole.keys());
+    for (name, content) in &whole {
+        let file = of_one.join(name);
+        let mut other = content.clone();
+        other[content.len() / 2] ^= 1;
+        fs::remove_file(&file).unwrap();
+        run();
+        same(&files(&of_one), &whole);
+        for damaged in [&content[..content.len() / 2], &other] {
+            fs::write(&file, damaged).unwrap();
+            run();
+            same(&files(&of_one), &whole);
+        }
+    }
+    // A record of an earlier version, which has no sums of files.
+    let all = out.join("pictures.json");
+    let journal = fs::read(&all).unwrap();
+    let mut old: Value = serde_json::from_slice(&journal).unwrap();
+    ["files", "papilio"].iter().for_each(|key| _ = old[0].as_object_mut().unwrap().remove(*key).unwrap());
+    fs::write(&all, old.to_string()).unwrap();
+    fs::remove_file(of_one.join("seen.png")).unwrap();
+    run();
+    same(&files(&of_one), &whole);
+    assert_eq!(fs::read(&all).unwrap(), journal);
+}
+
+/// A command that resumes another one is killed at its second picture, which is a large one: the records of the pictures that it
+/// has not reached stay, and the third one is not computed again.
+#[test]
+fn records_of_later_pictures_survive_a_killed_resumption() {
+    let folder = tempfile::tempdir().unwrap();
+    let photographs = folder.path().join("photographs");
+    fs::create_dir(&photographs).unwrap();
+    let file = picture(folder.path(), &[[200, 150, 125], [20, 60, 200], [255, 0, 0]]);
+    for name in ["a.png", "c.png"] {
+        fs::copy(&file, photographs.join(name)).unwrap();
+    }
+    let pixels: Vec<[u8; 3]> =
+        (0..240 * 160_usize).map(|at| [(at % 251) as u8, (at % 17) as u8, 90]).collect();
+    let mut bytes = Vec::new();
+    write_rgb_png(&mut bytes, 240, &pixels, false).unwrap();
+    fs::write(photographs.join("b.png"), bytes).unwrap();
+    let out = folder.path().join("out");
+    let all = out.join("pictures.json");
+    let command = || {
+        let mut command = papilio();
+        command.arg("image").arg(scenario("six-ink")).arg(&photographs).arg("--out").arg(&out);
+        command
+    };
+    assert!(command().output().unwrap().status.success());
+    let [first, of_c] =
+        [&all, &out.join("c/seen.png")].map(|path| fs::metadata(path).unwrap().modified().unwrap());
+    let content = fs::read(&all).unwrap();
+    for name in ["a", "b"] {
+        fs::remove_file(out.join(name).join("image.json")).unwrap();
+    }
+    let mut child = command().stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while fs::metadata(&all).unwrap().modified().unwrap() == first {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!out.join("b/image.json").exists(), "the command was killed too late");
+    let records: Vec<Value> = serde_json::from_slice(&fs::read(&all).unwrap()).unwrap();
+    let results: Vec<&Value> = records.iter().map(|one| &one["results"]).collect();
+    assert_eq!(results, ["a", "b", "c"]);
+    assert!(command().output().unwrap().status.success());
+    assert_eq!(fs::read(&all).unwrap(), content);
+    assert_eq!(fs::metadata(out.join("c/seen.png")).unwrap().modified().unwrap(), of_c);
 }
 
 /// The numbers of a finished picture are not computed again, and a resumed command writes them as they are in the journal. Each
