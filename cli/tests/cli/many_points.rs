@@ -1,7 +1,7 @@
 //! A compact sweep of many points, in two shards that are killed repeatedly, ends in the same bytes as an
 //! uninterrupted one.
 //!
-//! `PAPILIO_SWEEP_POINTS`: number of points, a multiple of 100 (default 600; 100 000 in `cargo xtask full`).
+//! `PAPILIO_SWEEP_POINTS`: number of points, a multiple of 100 (default 300; 100 000 in `cargo xtask full`).
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn length(path: &Path) -> u64 {
 
 #[test]
 fn killed_and_merged_shards_equal_the_whole() {
-    let points: usize = std::env::var("PAPILIO_SWEEP_POINTS").map_or(600, |points| points.parse().unwrap());
+    let points: usize = std::env::var("PAPILIO_SWEEP_POINTS").map_or(300, |points| points.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/indoor.toml");

@@ -28,7 +28,7 @@ const ELSEWHERE: [(&str, &str); 4] = [
 
 /// Words of commands that take a third of a second or more in the development profile, or that need a feature
 /// that it lacks.
-const LONG: [&str; 17] = [
+const LONG: [&str; 19] = [
     "--cone",
     "fit",
     "steps",
@@ -46,6 +46,8 @@ const LONG: [&str; 17] = [
     "monte-carlo",
     "--png",
     "--parquet",
+    "scenarios/rayleigh-film.toml",
+    "halftone.csv",
 ];
 
 /// Endings of names of files.

@@ -15,7 +15,7 @@ use papilio_testing::{everyday, seeds, sized};
 /// most.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let scene = |name: &str, overrides: &[&str]| {
-        let step = sized("spectrum.step_nm=40", "spectrum.step_nm=20");
+        let step = sized("spectrum.step_nm=80", "spectrum.step_nm=20");
         let overrides = [&[step, "metrics.gamut_volume=true"], overrides].concat();
         let mut scene = scenario(name, &overrides).unwrap().scene;
         scene.solver.method = Method::Adding;
