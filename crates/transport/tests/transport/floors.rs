@@ -20,6 +20,7 @@ const FLOORS: [&[&str]; 5] = [
         "mirror_run",
         "mueller",
         "panel",
+        "phases",
         "pixel_spread",
         "polarised_view",
         "skeleton",
