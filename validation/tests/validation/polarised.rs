@@ -430,7 +430,6 @@ fn polarisation_that_is_not_followed_is_refused() {
     for (set, part) in [
         (&["viewer.polariser=s", "solver.approximation=unpolarised"][..], "a polariser is not possible here"),
         (&[lamp, "solver.approximation=unpolarised"], "polarised light is not possible here"),
-        (&[lamp, "viewer.polariser=30"], "their phases"),
     ] {
         let set = [&["lighting.diffuse=0", "lighting.illuminance_lx=100"], set].concat();
         let resolved =
