@@ -275,3 +275,32 @@ fn filter_below_a_diffuser_and_a_front_is_refused() {
     assert!(message.contains("a colour filter below a diffuser and a front"), "{message}");
     assert!(!out.exists());
 }
+
+/// A film through an oblique polariser below a sky: by the default solver, by each, and as a map.
+#[test]
+fn oblique_polarisers_show_films_by_each_method() {
+    let text = "[spectrum]\nstep_nm = 40\n[display.glass]\nindex = 1.5\nsurface = \"fresnel\"\n[display.pixel]\nmodel = \"film\"\n\
+        substrate = \"Al\"\narea = { x = 1.0 }\ngap_nm = { x = 120, dark = 20 }\ndefault_states = false\nstates = { white = { x = 1.0 } }\n\
+        film = [{ material = \"Cr:Johnson\", thickness_nm = 12 }, { material = \"air\", thickness_nm = \"gap\" }]\n\
+        [lighting]\nilluminance_lx = 500\ndiffuse = 0.0\n[[lighting.environment]]\nshare = 1.0\nmodel = \"sky\"\nnumber = 12\n\
+        sun_elevation_deg = 20\npolarisation = 0.75\n[viewer]\ntheta_deg = 40\nphi_deg = 20\npolariser = 30\n";
+    let (folder, file, _) = place(text);
+    let y = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let output = papilio().args(["run", &file, "--out"]).arg(&out).args(more).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", stderr(&output));
+        let text = fs::read_to_string(out.join("result.json")).unwrap();
+        let result: serde_json::Value = serde_json::from_str(&text).unwrap();
+        result["views"][0]["states"]["white"]["Y"].as_f64().unwrap()
+    };
+    let adding = y("adding", &["--solver", "adding"]);
+    assert!((y("default", &[]) / adding - 1.0).abs() < 2e-3);
+    assert!(
+        (y("paths", &["--solver", "monte-carlo", "--set", "solver.paths=65536"]) / adding - 1.0).abs() < 5e-3
+    );
+    y("cone", &["--cone", "--set", "viewer.phi_deg=20"]);
+    let map = fs::read_to_string(folder.path().join("cone/cone.csv")).unwrap();
+    let row: Vec<&str> =
+        map.lines().find(|row| row.starts_with("40,20,white,")).unwrap().split(',').collect();
+    assert!((row[3].parse::<f64>().unwrap() / adding - 1.0).abs() < 2e-3, "{row:?} {adding}");
+}

@@ -3,7 +3,7 @@
 //! All faces are parallel: s stays s, and p stays p, until something scatters the light, which then counts as
 //! unpolarised. Therefore
 //!
-//! - above a mirror-like pixel, where nothing scatters, or only diffusers that keep s and p do (`depolarisation = 0`), the whole display is computed for s
+//! - above a mirror-like pixel, where nothing scatters, or only diffusers that keep polarisation do (`depolarisation = 0`), the whole display is computed for s
 //!   and for p ([`weights`], [`Stack::with_polarisations`]), and a polariser before the eye chooses between them; where nothing scatters, also light with
 //!   its places ([`of_places`]);
 //! - elsewhere each run of flat layers that begins and ends with the air or a scatterer is one interface
@@ -110,12 +110,7 @@ impl Asked {
 
     /// Returns whether light between s and p is seen through a polariser between them.
     fn mixes(&self) -> bool {
-        let is_oblique = |angle_deg: f64| (2.0 * angle_deg.to_radians()).sin().abs() > 1e-9;
-        let mixes = |vibration: &Vibration| match vibration {
-            Vibration::Fixed { angle, .. } => is_oblique(angle.to_degrees()),
-            Vibration::Rayleigh { .. } => true,
-        };
-        self.polariser_deg.is_some_and(is_oblique) && self.vibrations.iter().flatten().any(mixes)
+        self.polariser_deg.is_some_and(is_oblique) && self.vibrations.iter().flatten().any(is_between_s_and_p)
     }
 
     /// Vibrations of the sources of a scene. Along the normal, the plane of incidence is that of the azimuth of a lamp.
@@ -135,6 +130,19 @@ impl Asked {
             let (sin, cos) = angle_deg.to_radians().sin_cos();
             [sin * sin, cos * cos]
         })
+    }
+}
+
+/// Returns whether this angle from the plane of incidence is that of neither p nor s.
+pub(crate) fn is_oblique(angle_deg: f64) -> bool {
+    (2.0 * angle_deg.to_radians()).sin().abs() > 1e-9
+}
+
+/// Returns whether light vibrates between s and p.
+pub(crate) fn is_between_s_and_p(vibration: &Vibration) -> bool {
+    match vibration {
+        Vibration::Fixed { angle, .. } => is_oblique(angle.to_degrees()),
+        Vibration::Rayleigh { .. } => true,
     }
 }
 
@@ -236,11 +244,11 @@ pub(crate) fn view(
     let of = |(source, vibration): (&Source, &Option<Vibration>)| {
         let vibration = (*vibration)?;
         match is_kept {
-            true => PolarisedLight::kept(source, vibration.times(left(scene))),
+            true => PolarisedLight::kept(source, vibration, left(scene)),
             false => PolarisedLight::above(source, vibration, top.as_ref(), scene.grid.len()),
         }
     };
-    let lights = sources.iter().zip(&asked.vibrations).map(of).collect();
+    let lights = sources.iter().zip(&seen.vibrations).map(of).collect();
     Ok(Some(PolarisedView { seen, followed: Followed::Lights(lights, top.map(Box::new)) }))
 }
 
@@ -275,26 +283,28 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
     notes
 }
 
-/// Returns whether light between s and p is followed with its phase to a mirror below flat layers or particles; `by_views`: the computation is that of views.
-pub(crate) fn has_phases(scene: &Scene, by_views: bool) -> bool {
-    let is_seen =
+/// Returns whether light between s and p is followed with its phase to a mirror below flat layers or particles; `is_seen`: the computation is of what is
+/// seen from directions.
+pub(crate) fn has_phases(scene: &Scene, is_seen: bool) -> bool {
+    let is_mixed =
         |asked: Asked| asked.polariser_deg.is_some() && asked.vibrations.iter().any(Option::is_some);
     if has_particles(scene) {
-        return by_views && matches!(scene.display.pixel, Pixel::Film(_));
+        return is_seen && matches!(scene.display.pixel, Pixel::Film(_));
     }
-    by_views
+    is_seen
         && scene.display.is_flat()
         && scene.display.filter().is_none()
         && is_followed(scene)
         && Meetings::of(scene).is_some_and(|met| met.polarising > 0)
-        && Asked::of(scene).is_some_and(is_seen)
+        && Asked::of(scene).is_some_and(is_mixed)
 }
 
 /// Refuses light between s and p that is seen through a polariser between them where its phase matters and is not followed.
-pub(crate) fn check_phases(scene: &Scene, by_views: bool) -> Result<(), DisplayError> {
+pub(crate) fn check_phases(scene: &Scene, is_seen: bool) -> Result<(), DisplayError> {
     let Some(asked) = Asked::of(scene).filter(Asked::mixes) else { return Ok(()) };
-    let matters = Meetings::of(scene).is_some_and(|met| met.polarising > 0);
-    if matters && !has_phases(scene, by_views) {
+    // Where s and p are not followed at all, polarised light is refused for this reason.
+    let matters = is_followed(scene) && Meetings::of(scene).is_some_and(|met| met.polarising > 0);
+    if matters && !has_phases(scene, is_seen) {
         return Err(DisplayError::Polarised { key: asked.key, needs: NO_PHASE });
     }
     Ok(())
@@ -659,7 +669,9 @@ fn of_polarisation(
     let nm = scene.grid.wavelengths_nm();
     let air = Spectrum::constant(&scene.grid, 1.0);
     let has_products = polarisation == Polarisation::S
-        && (matches!(scene.display.pixel, Pixel::Crystal(_)) || Asked::of(scene).is_some());
+        && (matches!(scene.display.pixel, Pixel::Crystal(_))
+            || has_particles(scene)
+            || Asked::of(scene).is_some());
     let mut above = &air;
     let mut made = Vec::with_capacity(layers.len());
     for (described, layer) in scene.display.layers.iter().zip(layers) {

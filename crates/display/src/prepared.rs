@@ -79,6 +79,15 @@ impl Prepared {
         self.setup_towards(scene, Towards::All, control)
     }
 
+    /// The scene, prepared for what is seen from any direction.
+    pub(crate) fn setup_of_map(
+        &mut self,
+        scene: &Scene,
+        control: &Control<'_>,
+    ) -> Result<&Setup, DisplayError> {
+        self.setup_towards(scene, Towards::Map, control)
+    }
+
     /// The scene, prepared for its views and the mirror images of its lamps.
     pub(crate) fn setup_of_views(
         &mut self,

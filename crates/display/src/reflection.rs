@@ -81,7 +81,7 @@ pub fn reflection(
     theta_deg: &[f64],
     control: &Control<'_>,
 ) -> Result<Vec<Reflection>, DisplayError> {
-    let mut ambient = scene.clone();
+    let mut ambient = scene.clone().unpolarised();
     ambient.lighting.front_light = None;
     let setup = Setup::new(&ambient, control)?;
     let light = total_spectrum(&setup);

@@ -71,12 +71,20 @@ pub(crate) struct Setup {
 /// Directions towards which a pixel is to be known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Towards {
+    /// All of the glass, for light whose polarisation is that of its mean.
     All,
+    /// All from which the display is seen: those of a map.
+    Map,
     /// Those of the views, and of the lamps, whose mirror images are listed.
     Views,
 }
 
 impl Towards {
+    /// Returns whether polarised light is followed to what is seen, as that of views.
+    fn is_seen(self) -> bool {
+        self != Self::All
+    }
+
     /// Returns the ranges of the cosine in the glass of these directions; `None` if all are to be known, or the pixel is not one that takes long.
     fn cosines(self, scene: &Scene) -> Option<Vec<[f64; 2]>> {
         // What a bare panel shows of a direction, its pixel reflects in this direction.
@@ -86,7 +94,7 @@ impl Towards {
         let is_plain = scene.solver.angle_medium == AngleMedium::Air
             && scene.viewer.numerical_aperture.is_none()
             && scene.lighting.environment.is_empty();
-        if self == Self::All || !(is_bare && is_crystal && is_plain) {
+        if self != Self::Views || !(is_bare && is_crystal && is_plain) {
             return None;
         }
         let views = scene.viewer.directions().map(|(theta_deg, _)| (theta_deg, 0.5 * scene.viewer.field_deg));
@@ -121,6 +129,12 @@ impl Setup {
         Self::with_filter(scene, control)
     }
 
+    /// Prepares a scene for what is seen from any direction, by a computation that does not know colour filters.
+    pub(crate) fn of_map(scene: &Scene, control: &Control<'_>) -> Result<Self, DisplayError> {
+        Self::has_no_filter(scene)?;
+        Self::towards(scene, Towards::Map, control)
+    }
+
     /// Checks that a display has no colour filter.
     pub(crate) fn has_no_filter(scene: &Scene) -> Result<(), DisplayError> {
         if scene.display.filter().is_some() { Err(DisplayError::FilterWithoutPlace) } else { Ok(()) }
@@ -138,13 +152,13 @@ impl Setup {
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
         polarisation::check_particles(scene, towards == Towards::Views)?;
-        polarisation::check_phases(scene, towards == Towards::Views)?;
+        polarisation::check_phases(scene, towards.is_seen())?;
         let observer = Observer::new(&scene.grid)?;
         let angle_index = angle_index(scene)?;
         let mut film = None;
         let cosines = towards.cosines(scene);
         let kept_apart = polarisation::reaches_pixel(scene)?;
-        let phases = polarisation::has_phases(scene, towards == Towards::Views);
+        let phases = polarisation::has_phases(scene, towards.is_seen());
         let light = pixel::Light { kept_apart, phases, cosines: cosines.as_deref() };
         let bases = pixel::bases(scene, &mut film, None, light, control)?;
         let (mut stack, sources) = (stack(scene, bases, None, control)?, sources(scene, angle_index)?);
@@ -223,8 +237,8 @@ impl Setup {
         control: &Control<'_>,
     ) -> Result<Self, DisplayError> {
         polarisation::check_particles(scene, towards == Towards::Views)?;
-        polarisation::check_phases(scene, towards == Towards::Views)?;
-        let phases = polarisation::has_phases(scene, towards == Towards::Views);
+        polarisation::check_phases(scene, towards.is_seen())?;
+        let phases = polarisation::has_phases(scene, towards.is_seen());
         let last = std::mem::replace(&mut self.scene, scene.clone());
         let solver_changed = (scene.solver.angle_medium, scene.solver.approximation)
             != (last.solver.angle_medium, last.solver.approximation);
@@ -354,7 +368,7 @@ impl Setup {
         let (Some(both), Some(kernels)) = (stack.polarised(), kernel.polarised(stack)) else {
             return Ok(vec![SeenPart { stack, factors: of(&kernel, stack)? }]);
         };
-        let weights = kernel.weights_by_source(stack);
+        let weights = kernel.weights_by_source(stack, 0);
         let part = |(number, (stack, (kernel, _)))| {
             let mut factors = of(kernel, stack)?;
             for (ReflectanceFactor { via_pixel, front }, weights) in factors.iter_mut().zip(&weights) {

@@ -236,6 +236,33 @@ impl WholeView {
         [1, 0, 2].map(|one| meter[one] * light[one])
     }
 
+    /// Returns the weights of the reflectances for s and for p in what a view sees of a lamp through scatterers that keep polarisation: light vibrates as in the
+    /// mirror image of the lamp in metal, turned with the ray on the shortest way to the view (without one, in the mirror image). Of the polarisation they
+    /// leave this fraction, once on its way in and once on its way out.
+    pub(crate) fn kept_weights(
+        &self,
+        view: Option<&Cone>,
+        (number, centre): (usize, Beta),
+        left: f64,
+    ) -> [f64; 2] {
+        let at = view.map_or(centre, Cone::axis_towards);
+        let [image, seen] = [centre, at].map(|beta| Frame::new(beta, 1.0));
+        let [cos, sin] = seen.components(image.along_p().towards(seen.travel()));
+        let [p, s, crossed, _] = self.light(number, Some(centre), centre);
+        // Metal reflects s and p with opposite signs.
+        let crossed = -crossed / SQRT_2;
+        let turned = [
+            p * cos * cos + s * sin * sin - 2.0 * crossed * sin * cos,
+            p * sin * sin + s * cos * cos + 2.0 * crossed * sin * cos,
+            SQRT_2 * ((p - s) * sin * cos + crossed * (cos * cos - sin * sin)),
+        ];
+        let meter = self.meter(view, at);
+        let [p, s, crossed] = std::array::from_fn(|k| {
+            (METER[k] + left * (meter[k] - METER[k])) * (LIGHT[k] + left * (turned[k] - LIGHT[k]))
+        });
+        [s, p].map(|one| one + 0.5 * crossed)
+    }
+
     /// Returns the weights of the reflectances for s and for p where their phase is not known.
     ///
     /// Near the normal the directions of s and p change from ray to ray. The product of both amplitudes counts as the mean of both reflectances, which is exact

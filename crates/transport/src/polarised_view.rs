@@ -6,8 +6,8 @@
 //! ([`WholeView::weights`]), from the vibration of its light and the direction that the polariser passes. Those are fixed
 //! to the lamp, the sky and the view, whereas near the normal the directions of s and p change from ray to ray.
 //!
-//! Where in addition diffusers keep s and p, each has sources of its own, the share of s or p of every direction, and a
-//! weight in what is seen.
+//! Where in addition diffusers keep polarisation, each of s and p has a weight in what is seen: for a lamp from its vibration in the mirror image, turned with
+//! the light on the shortest way to the view ([`WholeView::kept_weights`]). A field has the share of s or p of every direction instead.
 //!
 //! Elsewhere all that is polarised happens in the flat layers above the first scatterer, the *top*. With the shares f of
 //! s and p, unpolarised light of g times the radiance, `g = (f_s T_s + f_p T_p)/T` with the mean T of the transmittances
@@ -15,17 +15,20 @@
 //! their mean. What the top mirrors, `f_s R_s + f_p R_p`, replaces what the unpolarised light would show: it
 //! alone needs the direction of both, and is summed over the mirror images in the view.
 //!
-//! For a directed source g is that of its centre, at each wavelength. For light from many directions it is that of each
+//! For a directed source g is the mean of its rays, at each wavelength; what leaves is seen as the mean of the rays of the view. For light from many directions it is that of each
 //! direction, `1 + (f_s - f_p) D` with `D = (T_s - T_p)/(T_s + T_p)`, which changes with wavelength where the top is a
 //! coating: sources with the D of few wavelengths, [`anchors`], are combined to that of each other one.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use papilio_optics::Beta;
+
 use crate::front::Flat;
 use crate::layers::{FlatRun, Incidence};
 use crate::light::cone_points::{Nodes, Point, cone_points_of, smooth_at};
 use crate::light::images::{Mirror, image_points};
+use crate::light::polarised::light_of;
 use crate::mueller::WholeView;
 use crate::{Cone, Field, Medium, ReflectanceFactor, Source, Vibration};
 
@@ -33,11 +36,14 @@ use crate::{Cone, Field, Medium, ReflectanceFactor, Source, Vibration};
 const FINE: (f64, Nodes) = (12.0, Nodes { rings: 0, across: 0.0 });
 const SMOOTH: f64 = 0.3;
 
+/// Accuracy of the mean share that a top transmits of the rays of a lamp or view.
+const DIGITS: f64 = 8.0;
+
 /// Number of steps of cos(theta) at which the top is tabulated for light from many directions.
 const STEPS: usize = 2048;
 
-/// Largest difference of (T_s - T_p)/(T_s + T_p) from the combination of those of other wavelengths, and the largest number of them.
-const COMBINED: (f64, usize) = (1e-6, 12);
+/// Largest difference of (T_s - T_p)/(T_s + T_p) from the combination of those of other wavelengths.
+const LARGEST_REST: f64 = 1e-5;
 
 /// Flat layers above the first scatterer, and what a polariser before the eye passes of s and of p.
 #[derive(Debug, Clone)]
@@ -70,10 +76,15 @@ impl Top {
         [s.above, p.above, self.run.crossed(&at).above.re]
     }
 
-    /// Light with these shares that it transmits, over unpolarised light.
-    fn transmits(&self, beta_squared: f64, bin: usize, shares: [f64; 2]) -> f64 {
-        let [s, p] = self.of_each(beta_squared, bin).map(|flat| flat.t);
-        if s + p > 0.0 { 2.0 * (shares[0] * s + shares[1] * p) / (s + p) } else { 1.0 }
+    /// Light of these rays that it transmits, over unpolarised light.
+    fn transmits(&self, rays: &[Ray], bin: usize) -> f64 {
+        let [mut light, mut unpolarised] = [0.0; 2];
+        for Ray { beta_squared, weight, shares } in rays {
+            let [s, p] = self.of_each(*beta_squared, bin).map(|flat| flat.t);
+            light += weight * 2.0 * (shares[0] * s + shares[1] * p);
+            unpolarised += weight * (s + p);
+        }
+        if unpolarised > 0.0 { light / unpolarised } else { 1.0 }
     }
 
     /// The transmittance of s less that of p, over their sum, at uniform steps of cos(theta).
@@ -81,10 +92,38 @@ impl Top {
         let at = |step: usize| {
             // At the horizon both vanish.
             let cosine = (step as f64).max(1e-3) / STEPS as f64;
-            self.transmits(1.0 - cosine * cosine, bin, [1.0, 0.0]) - 1.0
+            self.transmits(
+                &[Ray { beta_squared: 1.0 - cosine * cosine, weight: 1.0, shares: [1.0, 0.0] }],
+                bin,
+            ) - 1.0
         };
         (0..=STEPS).map(at).collect()
     }
+}
+
+/// A ray of a lamp or a view in air.
+struct Ray {
+    beta_squared: f64,
+    weight: f64,
+    /// Of s and of p; their sum is 1 for light of unit intensity, also for unpolarised light behind a polariser.
+    shares: [f64; 2],
+}
+
+/// Returns the rays of a polarised lamp.
+fn rays_of(lamp: &Source, vibration: &Vibration) -> Option<Vec<Ray>> {
+    let centre = lamp.direction()?;
+    let ray = |beta: Beta, weight: f64| {
+        let [p, s, ..] = light_of(vibration, Some(centre), beta);
+        Ray { beta_squared: beta.squared(), weight, shares: [s, p] }
+    };
+    let cosine = |beta: Beta| (1.0 - beta.squared()).max(0.0).sqrt();
+    Some(match lamp {
+        Source::Disc(cone) => {
+            let directions = cone.directions(0.0, DIGITS).into_iter();
+            directions.map(|(beta, weight)| ray(-beta, weight * cosine(beta))).collect()
+        }
+        _ => vec![ray(centre, 1.0)],
+    })
 }
 
 /// Returns few of these rows, and the weights with which they add up to each of the rows. The sum of the weights is 1.
@@ -97,8 +136,7 @@ fn anchors(rows: Vec<Vec<f64>>) -> Vec<(Vec<f64>, Vec<f64>)> {
     let (mut left, mut times): (Vec<Vec<f64>>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     let most = |row: &Vec<f64>| row.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     while let Some((next, off)) = rest.iter().map(most).enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b))
-        && off > COMBINED.0
-        && chosen.len() < COMBINED.1
+        && off > LARGEST_REST
     {
         let direction = rest[next].clone();
         let square: f64 = direction.iter().map(|value| value * value).sum();
@@ -138,25 +176,27 @@ pub struct PolarisedLight {
 /// Unpolarised light instead of a polarised source.
 #[derive(Debug, Clone, PartialEq)]
 enum Instead {
-    /// For s and for p, each with its irradiance over half of that of the source.
+    /// Those of a field for s and for p, each with its irradiance over half of that of the field.
     OfEach(Box<[(Source, f64); 2]>),
+    /// A lamp, of whose polarisation scatterers leave this fraction, once on its way in and once on its way out.
+    Kept(f64),
     /// Those that together have the same effect below the top, each with a factor of each wavelength.
     BelowTop(Vec<(Source, Vec<f64>)>),
 }
 
 impl PolarisedLight {
-    /// Returns a source for layers that keep s and p apart to the end. `None` for light that is known by cells or
-    /// pixels only.
-    pub fn kept(whole: &Source, vibration: Vibration) -> Option<Self> {
-        let of = |number: usize| match whole {
-            Source::Field(field) => times(field, move |direction| 2.0 * vibration.shares(direction)[number]),
-            Source::Diffuse => None,
-            Source::Beam(_) | Source::Disc(_) => {
-                let beta = whole.direction()?;
-                Some((whole.clone(), 2.0 * vibration.shares_towards(beta)[number]))
+    /// Returns a source for layers that keep s and p apart to the end, whose scatterers leave this fraction of polarisation, once on its way in or out.
+    /// `None` for light that is known by cells or pixels only.
+    pub fn kept(whole: &Source, vibration: Vibration, left: f64) -> Option<Self> {
+        let vibration = vibration.times(left);
+        let instead = match whole {
+            Source::Field(field) => {
+                let of = |number| times(field, move |direction| 2.0 * vibration.shares(direction)[number]);
+                Instead::OfEach(Box::new([of(0)?, of(1)?]))
             }
+            Source::Diffuse => return None,
+            Source::Beam(_) | Source::Disc(_) => Instead::Kept(left),
         };
-        let instead = Instead::OfEach(Box::new([of(0)?, of(1)?]));
         Some(Self { whole: whole.clone(), instead })
     }
 
@@ -181,9 +221,8 @@ impl PolarisedLight {
                 anchors(rows).into_iter().map(source).collect::<Option<_>>()?
             }
             (Source::Beam(_) | Source::Disc(_), Some(top)) => {
-                let beta = whole.direction()?;
-                let shares = vibration.shares_towards(beta);
-                let factor = |bin| top.transmits(beta.squared(), bin, shares);
+                let rays = rays_of(whole, &vibration)?;
+                let factor = |bin| top.transmits(&rays, bin);
                 vec![(whole.clone(), (0..bins).map(factor).collect())]
             }
         };
@@ -194,7 +233,7 @@ impl PolarisedLight {
     fn below_top(&self) -> &[(Source, Vec<f64>)] {
         match &self.instead {
             Instead::BelowTop(below) => below,
-            Instead::OfEach(_) => &[],
+            Instead::OfEach(_) | Instead::Kept(_) => &[],
         }
     }
 }
@@ -285,10 +324,19 @@ impl PolarisedView {
         Cow::Owned(all.map(one).chain(further).collect())
     }
 
-    /// Returns the weights of s and of p in what is seen of a source, given those of unpolarised light.
-    pub(crate) fn weights(&self, number: usize, source: &Source, weights: [f64; 2]) -> [f64; 2] {
-        match self.of(number, source).map(|light| &light.instead) {
-            Some(Instead::OfEach(both)) => [weights[0] * both[0].1, weights[1] * both[1].1],
+    /// Returns the weights of s and of p in what a view sees of a source, given those of unpolarised light; without a view, in its mirror image.
+    pub(crate) fn weights(
+        &self,
+        view: Option<&Cone>,
+        (number, source): (usize, &Source),
+        weights: [f64; 2],
+    ) -> [f64; 2] {
+        let instead = self.of(number, source).map(|light| &light.instead);
+        match (instead, source.direction()) {
+            (Some(Instead::OfEach(both)), _) => [weights[0] * both[0].1, weights[1] * both[1].1],
+            (Some(Instead::Kept(left)), Some(centre)) => {
+                self.seen.kept_weights(view, (number, centre), *left)
+            }
             // They are those of each ray.
             _ if self.rays().is_some() => [1.0; 2],
             _ => weights,
@@ -298,19 +346,21 @@ impl PolarisedView {
     /// Returns what changes the light that a view sees of these sources below a top; `None` if nothing does.
     pub(crate) fn changes(&self, view: &Cone, sources: &[Source]) -> Option<Changes> {
         let bins = self.bins()?;
-        let weights = self.top().map_or([0.5; 2], |top| top.weights);
+        let ray = |(beta, weight): (Beta, f64)| {
+            let [p, s, ..] = self.seen.meter(Some(view), beta).map(|passed| 0.5 * passed);
+            Ray { beta_squared: beta.squared(), weight, shares: [s, p] }
+        };
+        let rays: Vec<Ray> = view.directions(0.0, DIGITS).into_iter().map(ray).collect();
+        let through = |bin: usize| self.top().map_or(1.0, |top| top.transmits(&rays, bin));
+        let through: Vec<f64> = (0..bins).map(through).collect();
         let one = |(number, source): (usize, &Source)| {
             let of = self.of(number, source);
             if of.is_none() && self.seen.polariser.is_none() {
                 return None;
             }
-            let axis = view.axis_towards();
-            let through =
-                |bin: usize| self.top().map_or(1.0, |top| top.transmits(axis.squared(), bin, weights));
             let unpolarised = [(source.clone(), vec![1.0; bins])];
             let below = of.map(PolarisedLight::below_top).filter(|below| !below.is_empty());
             let below = below.unwrap_or(&unpolarised);
-            let through: Vec<f64> = (0..bins).map(through).collect();
             let factor = |entering: &Vec<f64>| entering.iter().zip(&through).map(|(a, b)| a * b).collect();
             let factors: Vec<Vec<f64>> = below.iter().map(|(_, entering)| factor(entering)).collect();
             let mut mirrored = vec![0.0; bins];
@@ -348,9 +398,8 @@ impl PolarisedView {
         let bins = image.front.len();
         // A directed source has one instead.
         let entering = self.of(number, source).and_then(|light| light.below_top().first());
-        let factor = |bin: usize| {
-            top.transmits(beta.squared(), bin, top.weights) * entering.map_or(1.0, |(_, factor)| factor[bin])
-        };
+        let seen = [Ray { beta_squared: beta.squared(), weight: 1.0, shares: top.weights }];
+        let factor = |bin: usize| top.transmits(&seen, bin) * entering.map_or(1.0, |(_, factor)| factor[bin]);
         let products = self.seen.products(None, (number, Some(beta)), beta);
         for bin in 0..bins {
             let mirrors = top.mirrors(beta.squared(), bin);
@@ -425,16 +474,21 @@ mod tests {
             let [a, b] = [(k as f64).sin(), (k as f64 * 0.7).cos()];
             (0..50).map(|x| f64::from(x) / 50.0).map(|x| 0.3 + a * x + b * x * x).collect::<Vec<f64>>()
         };
-        let rows: Vec<Vec<f64>> = (0..31).map(row).collect();
-        let found = anchors(rows.clone());
-        assert_eq!(found.len(), 3);
-        for (k, row) in rows.iter().enumerate() {
-            assert!((found.iter().map(|(_, weights)| weights[k]).sum::<f64>() - 1.0).abs() < 1e-12);
-            for (x, value) in row.iter().enumerate() {
-                let sum: f64 = found.iter().map(|(anchor, weights)| weights[k] * anchor[x]).sum();
-                assert!((sum - value).abs() < 1e-9, "row {k}, {x}: {sum} {value}");
+        let check = |rows: Vec<Vec<f64>>, count: usize| {
+            let found = anchors(rows.clone());
+            assert_eq!(found.len(), count);
+            for (k, row) in rows.iter().enumerate() {
+                assert!((found.iter().map(|(_, weights)| weights[k]).sum::<f64>() - 1.0).abs() < 1e-12);
+                for (x, value) in row.iter().enumerate() {
+                    let sum: f64 = found.iter().map(|(anchor, weights)| weights[k] * anchor[x]).sum();
+                    assert!((sum - value).abs() < 1e-9, "row {k}, {x}: {sum} {value}");
+                }
             }
-        }
+        };
+        check((0..31).map(row).collect(), 3);
+        // Thirty independent rows.
+        let wave = |k: usize| (0..400).map(|x| 0.5 * (0.1 * (k * x) as f64).sin()).collect::<Vec<f64>>();
+        check((1..31).map(wave).collect(), 30);
         assert_eq!(anchors(vec![vec![0.5; 9]; 4]), [(vec![0.5; 9], vec![1.0; 4])]);
     }
 }

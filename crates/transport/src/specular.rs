@@ -41,7 +41,7 @@ pub fn specular_image_of(stack: &Stack, number: usize, source: &Source) -> Refle
         if let Some(seen) = stack.polarised_view().and_then(|view| view.rays()) {
             return image_of_ray([s, p], (seen, None), (number, source), beta);
         }
-        let of_source = |view: &Arc<PolarisedView>| view.weights(number, source, usual);
+        let of_source = |view: &Arc<PolarisedView>| view.weights(None, (number, source), usual);
         let weights = stack.polarised_view().map_or(usual, of_source);
         return specular_image(s, beta).mixed_with(&specular_image(p, beta), weights);
     }

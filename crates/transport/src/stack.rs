@@ -396,11 +396,12 @@ impl Stack {
         Some(seen.weights(view, (number, source.direction()), beta))
     }
 
-    /// Weights of s and of p in what is seen of each source, of the reflectance factors of both: 1 where they belong to each ray.
-    pub fn weights_by_source(&self, sources: &[Source]) -> Vec<[f64; 2]> {
+    /// Weights of s and of p in what a view sees of each source, of the reflectance factors of both: 1 where they belong to each ray. Without a view,
+    /// of its mirror image.
+    pub fn weights_by_source(&self, view: Option<&Cone>, sources: &[Source]) -> Vec<[f64; 2]> {
         let usual = self.weights_of_polarisations();
         let of = |(number, source)| match &self.polarised_view {
-            Some(view) => view.weights(number, source, usual),
+            Some(light) => light.weights(view, (number, source), usual),
             None => usual,
         };
         sources.iter().enumerate().map(of).collect()

@@ -42,7 +42,7 @@ impl Tangents<'_> {
             _ => Ok(Vec::new()),
         };
         let (s, p) = (of(of_s, s, Polarisation::S)?, of(of_p, p, Polarisation::P)?);
-        let weights = kernel.weights_by_source(stack);
+        let weights = kernel.weights_by_source(stack, view);
         let columns = table.state_count() * table.common.len();
         Ok(s.iter().zip(&p).map(|(s, p)| weighted(s, p, &weights, columns)).collect())
     }

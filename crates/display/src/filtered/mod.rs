@@ -397,7 +397,7 @@ impl<'a> Filtered<'a> {
         let (stack, all) = (&self.setup.stack, &self.setup.sources);
         let weights = match self.mirrors.len() {
             1 => [1.0; 2],
-            _ => stack.weights_by_source(all)[source],
+            _ => stack.weights_by_source(view, all)[source],
         };
         let of_panel = |(number, (Mirrors { panel, sources }, weight)): (usize, (&Mirrors, f64))| {
             let of_ray = |beta| stack.weights_of_ray(view, (source, &all[source]), beta);

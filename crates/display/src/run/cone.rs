@@ -20,7 +20,8 @@ use super::saved::{Kind, row_number};
 use super::{Control, Run, SavedRows, Unsaved, Workers, each};
 use crate::cone::{ConeGrid, ConeLight, ConeResult, ConeView};
 use crate::meter::Meter;
-use crate::scene::{DirectedLight, Lighting, Scene, Standard, Stop};
+use crate::polarisation::{is_between_s_and_p, is_oblique};
+use crate::scene::{DirectedLight, EnvironmentPart, Lighting, Scene, Standard, Stop};
 use crate::setup::{ViewPoint, angle_index};
 use crate::{DisplayError, Prepared, RowErrors};
 
@@ -89,7 +90,7 @@ impl Prepared {
         everywhere.lighting.port = None;
         everywhere.viewer.theta_deg.clone_from(&grid.theta_deg);
         everywhere.viewer.phi_deg.clone_from(&grid.phi_deg);
-        let setup = self.setup(&everywhere, control)?;
+        let setup = self.setup_of_map(&everywhere, control)?;
         let [theta_deg, phi_deg] = grid.reference_deg;
         let reference = setup.view(theta_deg, phi_deg)?;
         let meter = Meter::new(setup);
@@ -101,7 +102,7 @@ impl Prepared {
             equivalent: if setup.stack.base().is_azimuthal() {
                 (0..grid.phi_deg.len()).collect()
             } else {
-                equivalent_azimuths(&grid.phi_deg, &scene.lighting)
+                equivalent_azimuths(&grid.phi_deg, &scene.lighting, scene.viewer.polariser_deg)
             },
             grid,
             reference,
@@ -590,17 +591,22 @@ fn light(light: &DirectedLight) -> ConeLight {
 }
 
 /// Returns the first equivalent azimuth for each azimuth: the mirror image in the
-/// plane of the lights, any azimuth without directed lights, or itself if the lights lie in several planes or
-/// an environment depends on azimuth.
-fn equivalent_azimuths(phi_deg: &[f64], light: &Lighting) -> Vec<usize> {
+/// plane of the lights, any azimuth without directed lights, or itself if the lights lie in several planes, an
+/// environment or a polarised light along the normal depends on azimuth, or a polariser or light between s and p has
+/// another mirror image.
+fn equivalent_azimuths(phi_deg: &[f64], light: &Lighting, polariser_deg: Option<f64>) -> Vec<usize> {
     let mut parts = light.environment.iter().flat_map(|environment| &environment.parts);
-    if parts.any(|part| !part.field.is_ring()) {
+    let is_polarised_from_above = |lamp: &DirectedLight| lamp.theta_deg == 0.0 && lamp.vibration.is_some();
+    let is_turned = |part: &EnvironmentPart| !part.field.is_ring() || part.vibration.is_some();
+    if parts.any(is_turned) || light.directed.iter().any(is_polarised_from_above) {
         return (0..phi_deg.len()).collect();
     }
+    let mut vibrations = light.directed.iter().filter_map(|lamp| lamp.vibration.as_ref());
+    let is_oblique = polariser_deg.is_some_and(is_oblique) || vibrations.any(is_between_s_and_p);
     let same = |a: f64, b: f64| between(a, b) < 1e-9;
     let mut planes = light.directed.iter().filter(|light| light.theta_deg != 0.0).map(|light| light.phi_deg);
     let Some(plane) = planes.next() else { return vec![0; phi_deg.len()] };
-    let one_plane = planes.all(|phi| same(2.0 * phi, 2.0 * plane));
+    let one_plane = planes.all(|phi| same(2.0 * phi, 2.0 * plane)) && !is_oblique;
     let first = |phi: f64| {
         let is_equivalent = |other: &f64| same(*other, phi) || (one_plane && same(*other, 2.0 * plane - phi));
         phi_deg.iter().position(is_equivalent).unwrap_or_default()
@@ -628,6 +634,7 @@ fn nearest(values: &[f64], distance: impl Fn(f64) -> f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Vibration;
     use papilio_spectra::Spectrum;
 
     fn from(theta_deg: f64, phi_deg: f64) -> DirectedLight {
@@ -645,7 +652,7 @@ mod tests {
 
     #[test]
     fn equivalent_azimuths_are_mirror_images_in_the_plane_of_the_lights() {
-        let looks = |directed: &[DirectedLight]| {
+        let through = |polariser_deg: Option<f64>, directed: &[DirectedLight]| {
             let (diffuse_spectrum, environment) = (Spectrum::from_values(vec![]).into(), vec![]);
             let directed = directed.to_vec();
             let light = Lighting {
@@ -657,8 +664,9 @@ mod tests {
                 front_light: None,
                 port: None,
             };
-            equivalent_azimuths(&[0.0, 90.0, 180.0, 270.0], &light)
+            equivalent_azimuths(&[0.0, 90.0, 180.0, 270.0], &light, polariser_deg)
         };
+        let looks = |directed: &[DirectedLight]| through(None, directed);
         assert_eq!(looks(&[]), [0, 0, 0, 0]);
         assert_eq!(looks(&[from(0.0, 33.0)]), [0, 0, 0, 0]);
         assert_eq!(looks(&[from(-20.0, 0.0)]), [0, 1, 2, 1]);
@@ -666,5 +674,16 @@ mod tests {
         assert_eq!(looks(&[from(20.0, 45.0)]), [0, 0, 2, 2]);
         assert_eq!(looks(&[from(20.0, 10.0)]), [0, 1, 2, 3]);
         assert_eq!(looks(&[from(20.0, 0.0), from(20.0, 90.0)]), [0, 1, 2, 3]);
+        // Polarisers across or along the plane of the view are their own mirror images.
+        assert_eq!(through(Some(90.0), &[from(20.0, 0.0)]), [0, 1, 2, 1]);
+        assert_eq!(through(Some(30.0), &[from(20.0, 0.0)]), [0, 1, 2, 3]);
+        assert_eq!(through(Some(30.0), &[]), [0, 0, 0, 0]);
+        let polarised = |light: DirectedLight, angle_deg: f64| {
+            let vibration = Vibration::Fixed { degree: 1.0, angle: angle_deg.to_radians() };
+            DirectedLight { vibration: Some(vibration), ..light }
+        };
+        assert_eq!(looks(&[polarised(from(20.0, 0.0), 90.0)]), [0, 1, 2, 1]);
+        assert_eq!(looks(&[polarised(from(20.0, 0.0), 45.0)]), [0, 1, 2, 3]);
+        assert_eq!(looks(&[polarised(from(0.0, 0.0), 0.0)]), [0, 1, 2, 3]);
     }
 }

@@ -64,7 +64,7 @@ pub fn expected_map_bytes(scene: &Scene, control: &Control<'_>) -> Result<f64, D
 fn are_rings_apart(scene: &Scene, control: &Control<'_>) -> Result<bool, DisplayError> {
     let mut parts = scene.lighting.environment.iter().flat_map(|one| &one.parts);
     let is_turned = parts.any(|part| !part.field.is_ring());
-    Ok(is_turned && scene.display.filter().is_none() && has_rings_apart(&Setup::new(scene, control)?))
+    Ok(is_turned && scene.display.filter().is_none() && has_rings_apart(&Setup::of_map(scene, control)?))
 }
 
 /// Returns whether the light of each ring of an environment is apart from the others.

@@ -101,7 +101,7 @@ pub fn study(
     seconds: &dyn Fn() -> f64,
     control: &Control<'_>,
 ) -> Result<Vec<StudyCurve>, DisplayError> {
-    let setup = Setup::new(scene, control)?;
+    let setup = Setup::of_map(scene, control)?;
     let study = Study { setup: &setup, meter: Meter::new(&setup), paths, seconds, control };
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let pairs = Sampler::ALL.into_iter().flat_map(|s| Strategy::ALL.into_iter().map(move |t| (s, t)));
@@ -142,7 +142,7 @@ pub fn cost(
     control: &Control<'_>,
 ) -> Result<Cost, DisplayError> {
     let started = seconds();
-    let setup = Setup::new(scene, control)?;
+    let setup = Setup::of_map(scene, control)?;
     let meter = Meter::new(&setup);
     let at = setup.views.first().ok_or(DisplayError::Interrupted)?;
     let tables = seconds();

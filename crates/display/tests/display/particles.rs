@@ -75,6 +75,43 @@ fn display_with_hardly_any_particles_is_that_of_adding() {
     }
 }
 
+/// Films below particles as the pixel, and as a coating of black glass: at the edge of their stop band, where the phase between s and p changes fast.
+#[test]
+fn films_below_particles_are_the_same_as_pixel_and_as_coating() {
+    let slab = "{ kind = \"slab\", optical_thickness = 0.2, particles = { kind = \"mie\", radius_um = 0.2, index = 1.8 }, index = 1.5 }";
+    let bands = "{ material = 2.3, thickness_nm = 70 }, { material = 1.38, thickness_nm = 110 }";
+    let films = [bands; 3].join(", ");
+    let pixel = format!(
+        "display.pixel={{ model = \"film\", substrate = {{ n = 4, k = 0 }}, area = {{ red = 1.0 }}, gap_nm = {{ red = 120, dark = 0 }}, \
+         default_states = false, states = {{ white = {{ red = 1.0 }} }}, film = [{films}, {{ material = \"air\", thickness_nm = \"gap\" }}] }}"
+    );
+    let black = "display.pixel={ model = \"uniform\", kind = \"lambertian\", reflectance = { white = 0.0 } }";
+    let coated = format!(
+        "display.layers=[{slab}, {{ kind = \"coating\", film = [{films}, {{ material = \"air\", thickness_nm = 120 }}] }}, {{ kind = \"medium\", index = 4 }}]"
+    );
+    let bare = format!("display.layers=[{slab}]");
+    let lamp = "lighting={ diffuse = 0, directed = [{ theta_deg = 50, phi_deg = 180, radius_deg = 10, share = 1, \
+                polarisation = { degree = 1, angle_deg = 45 } }] }";
+    for polariser in ["viewer.polariser=45", "viewer.polariser=-45"] {
+        let seen = |display: [&str; 2]| {
+            let sets =
+                [&display[..], &[lamp, "viewer.theta_deg=50", polariser, "solver.paths=100000"]].concat();
+            let result = run(&of(&sets)).unwrap();
+            let state = &result.views[0].states.0[0].1;
+            (state.value.radiance.clone(), state.standard_error.radiance.clone())
+        };
+        let ((as_pixel, error), (as_coating, other)) = (seen([&bare, &pixel]), seen([&coated, black]));
+        let brightest = as_pixel.iter().fold(0.0_f64, |most, radiance| most.max(*radiance));
+        for (k, (a, b)) in as_pixel.iter().zip(&as_coating).enumerate() {
+            let error = error[k].hypot(other[k]);
+            assert!(
+                (a - b).abs() < 4.5 * error && error < 0.01 * brightest,
+                "{polariser} {k}: {a} {b} {error}"
+            );
+        }
+    }
+}
+
 /// Adding, and what computes more than colours of views, says that it takes scattered light as unpolarised; `auto` takes paths.
 #[test]
 fn particles_are_for_runs_by_paths() {

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use num_complex::Complex64;
-use papilio_display::Control;
 use papilio_display::result::View;
+use papilio_display::scene::Scene;
 use papilio_display::spatial::{mtf, walk};
+use papilio_display::{ConeGrid, Control, Prepared, cone};
 use papilio_scenario::{Resolved, Scenario};
 use papilio_transport::walk::places::Uniform;
 
@@ -175,14 +176,14 @@ fn rays_of_wide_views_have_weights_of_their_own() {
         let turned = ["viewer.phi_deg=20", polariser];
         let bare = seen(&[face, MIRROR, SKY, &own], &turned);
         let expected = &bare.states.get("white").unwrap().value;
-        near(
-            "filter",
-            y(&seen(&[face, MIRROR, &filter, SKY, &own], &turned)) / expected.Y,
-            1.0,
-            phase + 1e-6,
-        );
+        let filtered = seen(&[face, MIRROR, &filter, SKY, &own], &turned);
+        let filtered = &filtered.states.get("white").unwrap().value;
+        near("filter", filtered.Y / expected.Y, 1.0, phase + 1e-6);
         let scenario = resolved(&[face, MIRROR, matrix, SKY, &own], &turned);
         let paths = walk::pattern(&scenario.scene, &uniform, 1 << 13, &control).unwrap();
+        let sharpness = mtf(&scenario.scene, &scenario.patterns, &control).unwrap();
+        let placed = sharpness.views[0].states.get("white").unwrap().Y_via_pixel;
+        near("mtf", (filtered.Y - filtered.terms.front_reflection) / placed, 1.0, 1e-6);
         let found = &paths[0].via_pixel[0];
         let via_pixel = expected.Y - expected.terms.front_reflection;
         let error = found.standard_error / via_pixel;
@@ -380,6 +381,243 @@ fn films_pass_s_and_p_of_the_sky_at_each_wavelength() {
         for (k, ratio) in ratios(more).into_iter().enumerate() {
             let nm = 380.0 + 80.0 * k as f64;
             near(&format!("{nm} nm"), ratio, truth(nm), allowed);
+        }
+    }
+}
+
+/// In wide fields below a polarised sky, seen through an oblique polariser, a film is the same film as a liquid crystal, whose own engine follows all light.
+#[test]
+fn wide_fields_of_films_are_those_of_liquid_crystals() {
+    let crystal = "[display.pixel]\nmodel = \"liquid-crystal\"\nsubstrate = \"Al\"\n\
+        stack = [{ kind = \"film\", material = \"Cr:Johnson\", thickness_nm = 12 }, \
+        { kind = \"film\", material = 1.0, thickness_nm = 120 }]\n";
+    for (face, own) in [(CLEAR, view(50.0, 40.0)), (GLASS, view(35.0, 60.0))] {
+        let asked = ["viewer.polariser=30", "viewer.phi_deg=25"];
+        let of = |pixel: &str| y(&seen(&[face, pixel, SKY, &own], &asked));
+        let first = |view: View| view.states.0[0].1.value.Y;
+        let films = first(seen(&[face, crystal, SKY, &own], &asked));
+        near(face, of(FILM) / films, 1.0, 2e-4);
+        let paths = y(&seen(&[face, FILM, SKY, &own], &[&asked[..], &[PATHS]].concat()));
+        near(face, paths / films, 1.0, 1e-2);
+    }
+}
+
+/// What a coating above black paper mirrors of a lamp between s and p, with its phase: the characteristic matrix alone.
+#[test]
+fn coatings_mirror_light_between_s_and_p_with_its_phase() {
+    let films = [(2.1, 95.0), (1.45, 140.0)];
+    let layers = "[[display.layers]]\nkind = \"coating\"\nfilm = [{ material = 2.1, thickness_nm = 95 }, { material = 1.45, thickness_nm = 140 }]\n\
+        [[display.layers]]\nkind = \"medium\"\nindex = 1.5\n";
+    let black =
+        "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.0 }\n";
+    let own = view(60.0, 0.0);
+    let spectrum = |lit: &str, more: &[&str]| {
+        seen(&[layers, black, &own, lit], more).states.get("white").unwrap().value.radiance.clone()
+    };
+    let lit = |angle_deg: f64| lamp([60.0, 180.0, 2.0], angle_deg);
+    for paths in [&[][..], &[PATHS]] {
+        let all = spectrum(&lit(0.0).replace("degree = 1.0", "degree = 0.0"), paths);
+        for (lamp_deg, polariser_deg) in [(45.0, 45.0), (45.0, -45.0), (20.0, 70.0)] {
+            let polariser = format!("viewer.polariser={polariser_deg}");
+            let seen = spectrum(&lit(lamp_deg), &[&[polariser.as_str()], paths].concat());
+            for (k, (seen, all)) in seen.iter().zip(all.iter()).enumerate() {
+                let nm = 380.0 + 80.0 * k as f64;
+                let mirror = products(amplitudes([1.0, 1.5], &films, nm, 60.0_f64.to_radians().sin())[0]);
+                let case = format!("{lamp_deg} {polariser_deg} {nm} nm {paths:?}");
+                near(&case, seen / all, through_polariser(mirror, lamp_deg, polariser_deg), 2e-6);
+            }
+        }
+    }
+}
+
+/// Maps, and displays that are prepared for other polarisers before, show light between s and p as runs do.
+#[test]
+fn maps_and_prepared_displays_follow_the_phase() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let at = |light: &str, more: &[&str]| -> Scene {
+        let own = "[viewer]\ntheta_deg = [0, 40, 60]\nphi_deg = [0, 35, 325]\nfield_deg = 2\n";
+        resolved(&[GLASS, FILM, light, own], more).scene
+    };
+    let lamps =
+        [lamp([40.0, 215.0, 4.0], 45.0), lamp([0.0, 0.0, 4.0], 0.0).replace("share = 1.0", "share = 0.5")];
+    let lamps = lamps.map(|lamp| lamp.replace("share = 1.0", "share = 0.5")).concat();
+    let mut prepared = Prepared::empty();
+    for light in [SKY, &lamps] {
+        for asked in
+            ["viewer.polariser=30", "viewer.field_deg=2", "viewer.polariser=30", "viewer.polariser=s"]
+        {
+            let scene = at(light, &[asked]);
+            let alone = run_on(&scene, Some(1)).unwrap();
+            assert_eq!(
+                format!("{:?}", prepared.run(&scene, &control).unwrap()),
+                format!("{alone:?}"),
+                "{asked}"
+            );
+            let grid = ConeGrid {
+                theta_deg: scene.viewer.theta_deg.clone(),
+                phi_deg: scene.viewer.phi_deg.clone(),
+                reference_deg: [0.0; 2],
+            };
+            let maps = cone(&scene, grid, &control).unwrap();
+            let directions = scene
+                .viewer
+                .phi_deg
+                .iter()
+                .flat_map(|phi| scene.viewer.theta_deg.iter().map(|theta| (*theta, *phi)));
+            for (map, at) in maps.views.iter().zip(directions) {
+                let view = alone.views.iter().find(|view| (view.theta_deg, view.phi_deg) == at).unwrap();
+                let y = view.states.0[0].1.value.Y;
+                let found = map.states[0].reflectance_factor_y;
+                // Beside the mirror images of the lamps, nothing is seen.
+                near(asked, found, y, 2e-4 * y + 1e-12);
+            }
+        }
+    }
+}
+
+/// Where the phase is not followed, light between s and p is refused through an oblique polariser.
+#[test]
+fn oblique_polarisers_are_refused_where_the_phase_is_not_followed() {
+    let stop = AtomicBool::new(false);
+    let control = Control { threads: Some(1), progress: &|_| {}, stop: &stop };
+    let own = view(40.0, 2.0);
+    let filter = filter(30.0, "red = 0.8, green = 0.5, blue = 0.2");
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.2\ntransmittance = 0.95\ndepolarisation = 0\n";
+    let oblique = ["viewer.polariser=30"];
+    for parts in [[GLASS, MIRROR, &filter, SKY, &own], [lobe, CLEAR, FILM, SKY, &own]] {
+        let error = run_on(&resolved(&parts, &oblique).scene, Some(1)).unwrap_err().to_string();
+        assert!(error.contains("phases"), "{error}");
+    }
+    let matrix = "[display.matrix]\nppi = 200\n";
+    let placed = resolved(&[GLASS, FILM, matrix, SKY, &own], &oblique);
+    let error = mtf(&placed.scene, &placed.patterns, &control).unwrap_err().to_string();
+    assert!(error.contains("phases"), "{error}");
+    let unpolarised = resolved(&[GLASS, FILM, SKY, &own], &[oblique[0], "solver.approximation=unpolarised"]);
+    let error = run_on(&unpolarised.scene, Some(1)).unwrap_err().to_string();
+    assert!(error.contains("solver.approximation"), "{error}");
+}
+
+type Vector = [f64; 3];
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn unit(a: Vector) -> Vector {
+    a.map(|one| one / dot(a, a).sqrt())
+}
+
+/// A field turned with its ray between two directions, about the normal of both, by Rodrigues' formula.
+fn turned(field: Vector, from: Vector, to: Vector) -> Vector {
+    let cross = |[a, b, c]: Vector, [x, y, z]: Vector| [b * z - c * y, c * x - a * z, a * y - b * x];
+    let (normal, cos) = (cross(from, to), dot(from, to));
+    let sin = dot(normal, normal).sqrt();
+    if sin < 1e-12 {
+        return field;
+    }
+    let axis = unit(normal);
+    let (across, along) = (cross(axis, field), dot(axis, field) * (1.0 - cos));
+    std::array::from_fn(|k| field[k] * cos + across[k] * sin + axis[k] * along)
+}
+
+/// A direction, and the fields of p and s there: counter-clockwise one after the other, as seen from where the light goes.
+fn ray(theta_deg: f64, phi_deg: f64) -> [Vector; 3] {
+    let [(sin, cos), (y, x)] = [theta_deg, phi_deg].map(|angle_deg| angle_deg.to_radians().sin_cos());
+    [[sin * x, sin * y, cos], [cos * x, cos * y, -sin], [-y, x, 0.0]]
+}
+
+/// A diffuser that keeps polarisation, above a mirror: light of a lamp vibrates as its mirror image does, turned with the ray. Beside the normal, p of one
+/// plane of incidence is s of the other.
+#[test]
+fn diffusers_that_keep_polarisation_turn_it_with_the_ray() {
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.2\ntransmittance = 0.95\ndepolarisation = 0\n";
+    for (lamp_at, view_at) in
+        [([8.0, 90.0], [8.0, 0.0]), ([40.0, 130.0], [30.0, -20.0]), ([0.0, 50.0], [10.0, 0.0])]
+    {
+        for lamp_deg in [0.0, 90.0] {
+            let lit = lamp([lamp_at[0], lamp_at[1], 2.0], lamp_deg);
+            let own = view(view_at[0], 0.0);
+            let of = |one: &[&str]| {
+                let phi = format!("viewer.phi_deg={}", view_at[1]);
+                y(&seen(&[lobe, CLEAR, MIRROR, &lit, &own], &[one, &[phi.as_str()]].concat()))
+            };
+            let [image, p, s] = ray(lamp_at[0], lamp_at[1] + 180.0);
+            let [eye, along, across] = ray(view_at[0], view_at[1]);
+            let field = turned(if lamp_deg == 0.0 { p } else { s }, image, eye);
+            for polariser_deg in [0.0, 90.0, 30.0, -50.0_f64] {
+                let (sin, cos) = polariser_deg.to_radians().sin_cos();
+                let passed = 2.0 * (cos * dot(along, field) + sin * dot(across, field)).powi(2);
+                let polariser = format!("viewer.polariser={polariser_deg}");
+                for more in [&[][..], &[PATHS]] {
+                    let ratio = of(&[&[polariser.as_str()], more].concat()) / of(more);
+                    near(
+                        &format!("{lamp_at:?} {lamp_deg} {view_at:?} {polariser} {more:?}"),
+                        ratio,
+                        passed,
+                        1e-9,
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Paper below a face, seen through a polariser in a wide field, and lit by a large polarised lamp: each ray has its own shares of s and p, here from the
+/// field turned by the rotation between the axis and the ray, in a sum over the cone.
+#[test]
+fn faces_above_paper_pass_each_ray_of_wide_fields_and_lamps() {
+    // Transmitted light of a cone about an axis in the plane of x and z, whose field there has this angle from the plane, over unpolarised light.
+    let passed = |theta_deg: f64, half_deg: f64, angle_deg: f64, is_lamp: bool| {
+        const STEPS: usize = 200;
+        let [axis, along, across] = ray(theta_deg, 0.0);
+        let (s, p) = angle_deg.to_radians().sin_cos();
+        let field: Vector = std::array::from_fn(|k| p * along[k] + s * across[k]);
+        let mut sums = [0.0; 2];
+        for ring in 0..STEPS {
+            let z = 1.0 - (1.0 - half_deg.to_radians().cos()) * (ring as f64 + 0.5) / STEPS as f64;
+            let radius = (1.0 - z * z).sqrt();
+            for spoke in 0..STEPS {
+                let (y, x) = (std::f64::consts::TAU * (spoke as f64 + 0.5) / STEPS as f64).sin_cos();
+                let ray: Vector =
+                    std::array::from_fn(|k| z * axis[k] + radius * (x * along[k] + y * across[k]));
+                let own = turned(field, axis, ray);
+                let of_s = dot(own, unit([-ray[1], ray[0], 0.0])).powi(2);
+                let [t_s, t_p] = amplitudes([1.0, 1.5], &[], 550.0, (1.0 - ray[2] * ray[2]).sqrt())[1]
+                    .map(|t| t.norm_sqr());
+                let weight = if is_lamp { ray[2] } else { 1.0 };
+                sums[0] += weight * (of_s * t_s + (1.0 - of_s) * t_p);
+                sums[1] += weight * 0.5 * (t_s + t_p);
+            }
+        }
+        sums[0] / sums[1]
+    };
+    let paper = "[display.pixel]\nmodel = \"uniform\"\nkind = \"lambertian\"\nreflectance = { white = 0.8, black = 0.1 }\n";
+    let inner = |parts: &[&str], more: &[&str]| {
+        let seen = seen(&[&[GLASS, paper], parts].concat(), more);
+        seen.states.get("white").unwrap().value.Y - seen.states.get("black").unwrap().value.Y
+    };
+    for more in [&[][..], &[PATHS]] {
+        let allowed = if more.is_empty() { 1e-5 } else { 2e-3 };
+        for (theta_deg, field_deg, angle_deg) in [(50.0, 40.0, 90.0), (20.0, 60.0, 0.0), (60.0, 50.0, 30.0)] {
+            let own = view(theta_deg, field_deg);
+            let uniform = [&["lighting.diffuse=1"], more].concat();
+            let polariser = format!("viewer.polariser={angle_deg}");
+            let through = inner(&[&own], &[&[polariser.as_str()], &uniform[..]].concat());
+            let expected = passed(theta_deg, 0.5 * field_deg, angle_deg, false);
+            near(&polariser, through / inner(&[&own], &uniform), expected, allowed);
+            let lit = |degree: &str| {
+                lamp([theta_deg, 180.0, 0.5 * field_deg], angle_deg).replace("degree = 1.0", degree)
+            };
+            let own = view(10.0, 0.0);
+            let ratio =
+                inner(&[&own, &lit("degree = 1.0")], more) / inner(&[&own, &lit("degree = 0.0")], more);
+            near(
+                &format!("lamp of {polariser}"),
+                ratio,
+                passed(theta_deg, 0.5 * field_deg, angle_deg, true),
+                allowed,
+            );
         }
     }
 }

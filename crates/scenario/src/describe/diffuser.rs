@@ -123,7 +123,7 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction s of T that is not scattered.
         regular_fraction: Share = Share(0.0),
-        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its shares of s and p.
+        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its vibration (skies: shares of s and p).
         depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
@@ -140,7 +140,7 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of T that is not scattered.
         regular_fraction: Share = Share(0.0),
-        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its shares of s and p.
+        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its vibration (skies: shares of s and p).
         depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
@@ -173,7 +173,7 @@ table! {
         transmittance: Option<ShareSpectrum>,
         /// Fraction of rho that is not scattered.
         regular_fraction: Share = Share(0.0),
-        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its shares of s and p.
+        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its vibration (skies: shares of s and p).
         depolarisation: Share = Share(1.0),
         /// The light that the diffuser itself reflects. Default: it reflects nothing; a note says so.
         reflection: Option<Reflection>,
@@ -327,7 +327,7 @@ table! {
         mounting: Mounting = Mounting::AsMeasured,
         /// With `mounting = "air"`: the air between foil and glass, for places of light.
         gap_mm as "Air gap": Option<AirGap>,
-        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its shares of s and p.
+        /// Fraction of the scattered light that leaves unpolarised; the rest keeps its vibration (skies: shares of s and p).
         depolarisation: Share = Share(1.0),
         /// The light that the foil itself reflects, if the file has its transmission only. Default: that of
         /// the file.

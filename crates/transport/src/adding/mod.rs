@@ -287,9 +287,10 @@ impl Kernel {
         }
     }
 
-    /// Returns the weights of s and of p in what is seen of each source, if the stack keeps them apart.
-    pub fn weights_by_source(&self, stack: &Stack) -> Vec<[f64; 2]> {
-        stack.weights_by_source(&self.asked.1)
+    /// Returns the weights of s and of p in what this view sees of each source, if the stack keeps them apart.
+    pub fn weights_by_source(&self, stack: &Stack, view: usize) -> Vec<[f64; 2]> {
+        let (views, sources) = &*self.asked;
+        stack.weights_by_source(views.get(view), sources)
     }
 
     /// Returns whether an estimate of this stack, for whose layers it was prepared, needs no further
@@ -325,7 +326,7 @@ impl Kernel {
         let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.estimate_unless(stack, view, stop));
-            let weights = lit.weights_by_source(&self.asked.1);
+            let weights = self.weights_by_source(lit, view);
             return Some(s?.mixed_with(&p?, &weights, lit.weights_of_polarisations()));
         }
         let mut estimate = match (stack.panel(), &self.kind) {
@@ -358,7 +359,7 @@ impl Kernel {
         let stack = stack.in_runs();
         if let Some(both) = self.polarised(stack) {
             let [s, p] = both.map(|(kernel, stack)| kernel.seen(stack, view));
-            let weights = lit.weights_by_source(&self.asked.1);
+            let weights = self.weights_by_source(lit, view);
             return s.iter().zip(&p).zip(weights).map(|((s, p), weights)| s.mixed_with(p, weights)).collect();
         }
         if let Some(rays) = &self.rays {

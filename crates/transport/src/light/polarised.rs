@@ -50,6 +50,11 @@ impl Frame {
         self.travel
     }
 
+    /// The direction of p.
+    pub(crate) fn along_p(&self) -> Across {
+        Across { field: self.p, travel: self.travel }
+    }
+
     /// Returns the components of a field along p and s.
     pub(crate) fn components(&self, field: [f64; 3]) -> [f64; 2] {
         [dot(self.p, field), dot(self.s, field)]
@@ -136,11 +141,6 @@ impl Vibration {
     pub fn shares(&self, direction: [f64; 3]) -> [f64; 2] {
         let more = self.more_s(direction);
         [0.5 * (1.0 + more), 0.5 * (1.0 - more)]
-    }
-
-    /// Returns the same of light that propagates with these direction cosines.
-    pub(crate) fn shares_towards(&self, beta: Beta) -> [f64; 2] {
-        self.shares([-beta.x, -beta.y, (1.0 - beta.squared()).max(0.0).sqrt()])
     }
 
     /// Returns the share of s less that of p.

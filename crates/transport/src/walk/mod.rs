@@ -184,7 +184,7 @@ impl<'a> Walk<'a> {
                 Self::of_light(&both[number], (view, polarised), own, (strategy, shares))
             };
             let walks = Box::new([0, 1].map(of));
-            let weights = (lit.weights_by_source(&sources), lit.weights_of_polarisations());
+            let weights = (lit.weights_by_source(Some(&view), &sources), lit.weights_of_polarisations());
             return Self { kind: Kind::Polarised(walks, weights.0, weights.1), changes: None };
         }
         let changes = lit.polarised_view().and_then(|light| light.changes(&view, &sources));

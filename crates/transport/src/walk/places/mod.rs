@@ -261,7 +261,8 @@ impl<'a> PlacedWalk<'a> {
                 walks: vec![of((stack, sources.into()), vec![1.0; sources.len()], 1.0, None)],
             });
         };
-        let (by_source, usual) = (stack.weights_by_source(sources), stack.weights_of_polarisations());
+        let (by_source, usual) =
+            (stack.weights_by_source(Some(&view), sources), stack.weights_of_polarisations());
         let walks = both.iter().enumerate().map(|(number, own)| {
             let sources = stack.sources_of(number, sources);
             let rays = stack.polarised_view().and_then(|view| view.rays()).map(|seen| (seen.clone(), number));
