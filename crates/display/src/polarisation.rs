@@ -40,6 +40,9 @@ const NO_FILTER: &str = "a display without a colour filter, or mirrors below fla
 const NO_PHASE: &str = "viewer.polariser \"s\" or \"p\", or lamps of angle_deg 0 or 90 alone: between s and p, what is seen of polarised light depends on their \
                         phases, which `papilio run`, `cone` and `sweep` follow in flat layers without a colour filter";
 
+/// What a polariser needs where a polarised sky is seen through a diffuser that keeps polarisation.
+const ONE_PLANE: &str = "views in one plane (one viewer.phi_deg): through a diffuser that keeps polarisation, a polarised sky is seen for one azimuth at a time";
+
 /// Field of view up to which the phase between s and p does not matter otherwise (3e-4 of a silver film in a polarised sky), degrees.
 const NARROW_DEG: f64 = 5.0;
 
@@ -241,15 +244,31 @@ pub(crate) fn view(
         return Ok(Some(PolarisedView { seen, followed: Followed::Rays }));
     }
     let top = if is_kept { None } else { top(scene, stack, asked.weights())? };
+    let analyser = match polariser {
+        Some(angle) if is_kept => Some([plane_of_views(scene, &asked)?.to_radians(), angle]),
+        _ => None,
+    };
     let of = |(source, vibration): (&Source, &Option<Vibration>)| {
         let vibration = (*vibration)?;
         match is_kept {
-            true => PolarisedLight::kept(source, vibration, left(scene)),
+            true => PolarisedLight::kept(source, vibration, left(scene), analyser),
             false => PolarisedLight::above(source, vibration, top.as_ref(), scene.grid.len()),
         }
     };
     let lights = sources.iter().zip(&seen.vibrations).map(of).collect();
     Ok(Some(PolarisedView { seen, followed: Followed::Lights(lights, top.map(Box::new)) }))
+}
+
+/// Returns the azimuth of the plane of all views, degrees; that of the first, if no light from many directions is polarised.
+fn plane_of_views(scene: &Scene, asked: &Asked) -> Result<f64, DisplayError> {
+    let mut azimuths = scene.viewer.phi_deg.iter();
+    let first = azimuths.next().copied().unwrap_or_default();
+    let is_other = |phi_deg: &f64| (phi_deg - first).to_radians().sin().abs() > 1e-9;
+    let is_sky = |vibration: &Vibration| matches!(vibration, Vibration::Rayleigh { .. });
+    if azimuths.any(is_other) && asked.vibrations.iter().flatten().any(is_sky) {
+        return Err(DisplayError::Polarised { key: asked.key.clone(), needs: ONE_PLANE });
+    }
+    Ok(first)
 }
 
 /// Returns notes on what is polarised.

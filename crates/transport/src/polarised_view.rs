@@ -7,7 +7,8 @@
 //! to the lamp, the sky and the view, whereas near the normal the directions of s and p change from ray to ray.
 //!
 //! Where in addition diffusers keep polarisation, each of s and p has a weight in what is seen: for a lamp from its vibration in the mirror image, turned with
-//! the light on the shortest way to the view ([`WholeView::kept_weights`]). A field has the share of s or p of every direction instead.
+//! the light on the shortest way to the view ([`WholeView::kept_weights`]). A field has
+//! the share of s or p of every direction instead, turned to the azimuth of the views.
 //!
 //! Elsewhere all that is polarised happens in the flat layers above the first scatterer, the *top*. With the shares f of
 //! s and p, unpolarised light of g times the radiance, `g = (f_s T_s + f_p T_p)/T` with the mean T of the transmittances
@@ -20,6 +21,7 @@
 //! coating: sources with the D of few wavelengths, [`anchors`], are combined to that of each other one.
 
 use std::borrow::Cow;
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use papilio_optics::Beta;
@@ -186,12 +188,13 @@ enum Instead {
 
 impl PolarisedLight {
     /// Returns a source for layers that keep s and p apart to the end, whose scatterers leave this fraction of polarisation, once on its way in or out.
-    /// `None` for light that is known by cells or pixels only.
-    pub fn kept(whole: &Source, vibration: Vibration, left: f64) -> Option<Self> {
-        let vibration = vibration.times(left);
+    /// `analyser`: azimuth of the views, and the angle that a polariser before the eye passes, radians. `None` for light that is known by cells or pixels only.
+    pub fn kept(whole: &Source, vibration: Vibration, left: f64, analyser: Option<[f64; 2]>) -> Option<Self> {
         let instead = match whole {
             Source::Field(field) => {
-                let of = |number| times(field, move |direction| 2.0 * vibration.shares(direction)[number]);
+                let of = |number: usize| {
+                    times(field, move |direction| kept_share(vibration, left, analyser, direction)[number])
+                };
                 Instead::OfEach(Box::new([of(0)?, of(1)?]))
             }
             Source::Diffuse => return None,
@@ -236,6 +239,27 @@ impl PolarisedLight {
             Instead::OfEach(_) | Instead::Kept(_) => &[],
         }
     }
+}
+
+/// Returns the shares of s and of p in light that comes from this direction, twice, as a view sees it through scatterers that keep polarisation: as in the
+/// mirror image, turned with the ray to the normal and on to the view. Between s and p both are the mean that the polariser passes. Without a polariser the
+/// shares are those in the plane of incidence.
+fn kept_share(vibration: Vibration, left: f64, analyser: Option<[f64; 2]>, direction: [f64; 3]) -> [f64; 2] {
+    let Some([azimuth, angle]) = analyser else {
+        return vibration.times(left).shares(direction).map(|share| 2.0 * share);
+    };
+    let beta = Beta { x: -direction[0], y: -direction[1] };
+    let [p, s, crossed, _] = light_of(&vibration, None, beta);
+    // Mirrors reflect s and p with opposite signs.
+    let [aligned, oblique] = [p - s, -SQRT_2 * crossed].map(|one| left * one);
+    let image = if beta.squared() > 0.0 { beta.y.atan2(beta.x) } else { 0.0 };
+    let (sin, cos) = (2.0 * (image - azimuth)).sin_cos();
+    let [aligned, oblique] = [aligned * cos - oblique * sin, aligned * sin + oblique * cos];
+    let (sin, cos) = (2.0 * angle).sin_cos();
+    if sin.abs() < 1e-9 {
+        return [1.0 - aligned, 1.0 + aligned];
+    }
+    [1.0 + left * (aligned * cos + oblique * sin); 2]
 }
 
 /// Returns the light of a field times a factor, and its irradiance over that of the field.

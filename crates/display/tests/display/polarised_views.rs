@@ -563,6 +563,32 @@ fn diffusers_that_keep_polarisation_turn_it_with_the_ray() {
     }
 }
 
+/// Narrow lobes that keep polarisation show the sky as the mirror below them does: along the normal, and beside it in another plane than that of the sun,
+/// through polarisers at any angle. Several planes at once are refused.
+#[test]
+fn narrow_lobes_that_keep_polarisation_show_the_sky_as_a_mirror() {
+    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.02\ntransmittance = 1\ndepolarisation = 0\n";
+    for theta_deg in [0.0, 35.0] {
+        let own = view(theta_deg, 0.0);
+        for polariser in ["s", "p", "30"] {
+            let asked = [format!("viewer.polariser={polariser}"), "viewer.phi_deg=40".to_owned()];
+            let asked = asked.each_ref().map(String::as_str);
+            let ratio = |parts: &[&str], more: &[&str]| {
+                let parts = [parts, &[CLEAR, MIRROR, SKY, &own]].concat();
+                y(&seen(&parts, &[&asked[..], more].concat()))
+                    / y(&seen(&parts, &[&asked[1..], more].concat()))
+            };
+            let mirror = ratio(&[], &[]);
+            assert!((mirror - 1.0).abs() > 0.02, "{mirror}");
+            near(&own, ratio(&[lobe], &[]), mirror, 1e-2);
+            near(&own, ratio(&[lobe], &[PATHS]), mirror, 2e-2);
+        }
+    }
+    let planes = ["viewer.polariser=s", "viewer.phi_deg=[0, 40]"];
+    let error = run_on(&resolved(&[lobe, CLEAR, MIRROR, SKY, &view(0.0, 0.0)], &planes).scene, Some(1));
+    assert!(error.unwrap_err().to_string().contains("one plane"));
+}
+
 /// Paper below a face, seen through a polariser in a wide field, and lit by a large polarised lamp: each ray has its own shares of s and p, here from the
 /// field turned by the rotation between the axis and the ray, in a sum over the cone.
 #[test]
