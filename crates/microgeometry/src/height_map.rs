@@ -6,6 +6,13 @@ use crate::MicrogeometryError;
 /// times as many cells before it can meet the lowest height.
 const MOST_RELIEF: f64 = 10_000.0;
 
+/// A step where periods meet is that of a tilt if it is so many times as large as its scatter along the seam, and as
+/// the steps between neighbours elsewhere.
+const CLEAR: f64 = 4.0;
+
+/// Rounding errors of heights, relative to the largest one: those of a file of 32 bits.
+const ROUNDING: f64 = 1e-6;
+
 /// Heights over a rectangle that repeats in x and y.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeightMap {
@@ -120,30 +127,74 @@ impl HeightMap {
         &self.heights_um
     }
 
-    /// The map without its mean plane: that of the least squares of the differences.
+    /// The map without its mean plane: that of the least squares of the differences. It is for a part of a
+    /// surface; a whole period has none but its mean height: [`levelled_period`](Self::levelled_period).
     #[must_use]
     pub fn levelled(&self) -> Self {
         let (columns, rows) = (self.columns as f64, self.rows() as f64);
-        let (mut mean, mut along) = (0.0, [0.0; 2]);
-        let place = |at: usize| {
-            let (row, column) = (at / self.columns, at % self.columns);
-            [column as f64 - 0.5 * (columns - 1.0), row as f64 - 0.5 * (rows - 1.0)]
-        };
+        let mut along = [0.0; 2];
         for (at, height) in self.heights_um.iter().enumerate() {
-            let [x, y] = place(at);
-            mean += height;
+            let [x, y] = self.from_middle(at);
             along[0] += x * height;
             along[1] += y * height;
         }
         // On a grid about its middle, the three terms are orthogonal.
         let squares = |count: f64| count * (count * count - 1.0) / 12.0;
-        let slopes = [
+        self.without_plane([
             if columns > 1.0 { along[0] / (squares(columns) * rows) } else { 0.0 },
             if rows > 1.0 { along[1] / (squares(rows) * columns) } else { 0.0 },
-        ];
-        mean /= columns * rows;
+        ])
+    }
+
+    /// The map without its mean height, as a period that repeats, and how much it rises along x and y, um, from one
+    /// end of the period to the other by a tilt that is subtracted, too.
+    ///
+    /// A period has no mean slope. The plane of the least squares has one, also of a sine, and would leave a step
+    /// where periods meet. Only where heights have such a step, nearly the same all along the seam and larger than
+    /// any between neighbours elsewhere, they are those of a tilted surface.
+    #[must_use]
+    pub fn levelled_period(&self) -> (Self, [f64; 2]) {
+        let rises = [self.rise_at_seam(0), self.rise_at_seam(1)];
+        let counts = [self.columns, self.rows()];
+        (self.without_plane([0, 1].map(|axis| rises[axis] / counts[axis] as f64)), rises)
+    }
+
+    /// The rise along an axis of the plane that explains the step where periods meet; 0 if none does.
+    fn rise_at_seam(&self, axis: usize) -> f64 {
+        let (counts, strides) = ([self.columns, self.rows()], [1, self.columns]);
+        let [count, lines] = [counts[axis], counts[1 - axis]];
+        // A single line of few heights has nothing with which the step could be compared.
+        if count < 3 || count < 5 && lines == 1 {
+            return 0.0;
+        }
+        let rise = |place: usize, line: usize| {
+            let at = |place: usize| self.heights_um[place % count * strides[axis] + line * strides[1 - axis]];
+            at(place + 1) - at(place)
+        };
+        // How much more a line rises between two places than beside them.
+        let step = |place: usize, line: usize| {
+            rise(place, line) - 0.5 * (rise(place + count - 1, line) + rise(place + 1, line))
+        };
+        let mean = |place: usize| (0..lines).map(|line| step(place, line)).sum::<f64>() / lines as f64;
+        let at_seam = mean(count - 1);
+        let squares: f64 = (0..lines).map(|line| (step(count - 1, line) - at_seam).powi(2)).sum();
+        let elsewhere = (1..count - 2).map(|place| mean(place).abs());
+        let most = elsewhere.fold((squares / lines as f64).sqrt(), f64::max);
+        let highest = self.heights_um.iter().fold(0.0_f64, |highest, height| highest.max(height.abs()));
+        if at_seam.abs() > CLEAR * most.max(ROUNDING * highest) { -at_seam } else { 0.0 }
+    }
+
+    /// Column and row of a height from the middle of the map.
+    fn from_middle(&self, at: usize) -> [f64; 2] {
+        let middle = [self.columns, self.rows()].map(|count| 0.5 * (count as f64 - 1.0));
+        [(at % self.columns) as f64 - middle[0], (at / self.columns) as f64 - middle[1]]
+    }
+
+    /// The map without its mean height and a plane with these slopes, um per column and row.
+    fn without_plane(&self, slopes: [f64; 2]) -> Self {
+        let mean = self.heights_um.iter().sum::<f64>() / self.heights_um.len() as f64;
         let level = |(at, height): (usize, &f64)| {
-            let [x, y] = place(at);
+            let [x, y] = self.from_middle(at);
             height - mean - slopes[0] * x - slopes[1] * y
         };
         Self { heights_um: self.heights_um.iter().enumerate().map(level).collect(), ..self.clone() }
@@ -215,6 +266,38 @@ mod tests {
         assert!((x - 0.5).abs() < 1e-12 && (y - 0.25).abs() < 1e-12, "{x} {y}");
         assert!(map.statistics().slope_rms[0] > 0.8);
         assert_eq!(HeightMap::flat().inner_slopes(), [0.0; 2]);
+    }
+
+    /// Waves of whole periods along x and y, and what is level of them: whatever the phase, they have no tilt.
+    #[test]
+    fn periods_keep_their_waves_and_lose_their_tilt() {
+        let (columns, rows, turn) = (48, 20, std::f64::consts::TAU);
+        let wave = |at: usize| {
+            let [x, y] = [(at % columns) as f64 / columns as f64, (at / columns) as f64 / rows as f64];
+            0.2 * (turn * x).sin()
+                + 0.1 * (turn * (2.0 * y + 0.1)).cos()
+                + 0.05 * (turn * (3.0 * x + y)).sin()
+        };
+        let map = |height: &dyn Fn(usize) -> f64| {
+            HeightMap::new(columns, [1.0; 2], (0..columns * rows).map(height).collect()).unwrap()
+        };
+        let differs = |map: &HeightMap| {
+            let heights = map.heights_um().iter().enumerate();
+            heights.map(|(at, height)| (height - wave(at)).abs()).fold(0.0, f64::max)
+        };
+        let (level, rises) = map(&|at| wave(at) + 7.0).levelled_period();
+        assert!(rises == [0.0; 2] && differs(&level) < 1e-12, "{rises:?}");
+        // The plane of the least squares is no part of the period.
+        assert!(differs(&map(&wave).levelled()) > 0.05);
+        let tilted = |at: usize| wave(at) + 4.0 * (at % columns) as f64 / columns as f64;
+        let (level, [x, y]) = map(&tilted).levelled_period();
+        // Beside the seam, the waves are not quite straight.
+        assert!((x - 4.0).abs() < 2e-3 && y == 0.0 && differs(&level) < 2e-3, "{x} {y}");
+        // Steps that the period has elsewhere, too, are its own; so are those that differ along the seam.
+        let comb = |at: usize| ((at % columns) % 12) as f64 / 12.0;
+        assert_eq!(map(&comb).levelled_period().1, [0.0; 2]);
+        let torn = |at: usize| 0.1 * (at % columns) as f64 * (0.7 * (at / columns) as f64).sin();
+        assert_eq!(map(&torn).levelled_period().1, [0.0; 2]);
     }
 
     #[test]

@@ -30,6 +30,7 @@ mod mesh;
 mod mesh_tests;
 mod patches;
 mod path;
+mod phase_nodes;
 mod random;
 mod ray;
 mod screen_rings;

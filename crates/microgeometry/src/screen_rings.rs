@@ -2,8 +2,8 @@
 //!
 //! The light behind a screen is known for each phase per um of height, q: its Fourier transform, whose order
 //! of the frequency f goes to the regular direction plus λ f. Light comes from all azimuths, so that only |f|
-//! matters. A family of inclinations, wavelengths and ways has as many q: all are computed if the screen is
-//! small, else a number of them, and cubics in ln q lie between. The regular part is exact for all.
+//! matters. A family of inclinations, wavelengths and ways has as many q: a number of them is computed, and the
+//! powers of the others lie between ([`PhaseNodes`]). The regular part is exact for all.
 //!
 //! **Orders** of a surface that repeats have exact directions. Those of a random one stand for the light of a
 //! face without a period: each for that of its cell of frequencies, 1/period wide, and a part of the cell is
@@ -14,16 +14,17 @@ use papilio_fourier::Plane;
 
 use crate::HeightMap;
 use crate::goniometer::haze_beta;
+use crate::phase_nodes::{PhaseNodes, ScreenHeights};
 use crate::wave_way::{Way, inside};
 
-/// Heights that are transformed for a realisation, all phases together.
-const MOST_HEIGHTS: usize = 1 << 25;
-
-/// Fewest phases of large screens.
-const FEWEST: usize = 12;
-
-/// Circles of frequencies in the distance between two orders.
+/// Circles of frequencies in the distance between two orders of a random surface.
 const FINENESS: f64 = 4.0;
+
+/// Largest number of circles of a surface that repeats, apart from the edges between them.
+const MOST_CIRCLES: usize = 1 << 14;
+
+/// Frequencies that differ by less, relative to them, are equal.
+const ROUNDING: f64 = 1e-10;
 
 /// Classes of heights for the regular part of large screens.
 const CLASSES: usize = 1 << 16;
@@ -39,10 +40,41 @@ pub(crate) struct ScreenShares {
     pub(crate) evanescent: f64,
 }
 
+/// The light of a screen.
+#[derive(Debug, Clone)]
+pub(crate) struct ScreenLight {
+    /// Phases per um of height.
+    phases: Vec<f64>,
+    /// Frequencies, per um, ascending, at which circles of orders become haze, or begin or cease to be inside a
+    /// disc of directions. No order of the last one or beyond it exists.
+    edges: Vec<f64>,
+}
+
+impl ScreenLight {
+    /// Light of these ways and wavelengths, um.
+    pub(crate) fn new(ways: impl IntoIterator<Item = (Way, f64)>) -> Self {
+        let (mut phases, mut edges) = (Vec::new(), Vec::new());
+        for (way, um) in ways {
+            phases.push(way.regular_per_um(um));
+            let rims = [way.disc(), way.seen()].map(|disc| [(disc - way.beta).abs(), disc + way.beta]);
+            edges.extend(rims.as_flattened().iter().chain([&haze_beta()]).map(|beta| beta / um));
+        }
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        Self { phases, edges }
+    }
+
+    /// Light of a random face with these phases.
+    #[cfg(test)]
+    pub(crate) fn of_phases(phases: Vec<f64>) -> Self {
+        Self { phases, edges: Vec::new() }
+    }
+}
+
 /// Powers of a screen.
 pub(crate) struct ScreenRings {
-    /// Phases per um of height for which powers are known, ascending, above 0.
-    phases: Vec<f64>,
+    /// Phases for which powers are known.
+    nodes: PhaseNodes,
     /// Frequency of each circle, per um.
     frequencies: Vec<f64>,
     /// By phase: power of each circle but the regular direction.
@@ -50,7 +82,7 @@ pub(crate) struct ScreenRings {
     /// Heights with their fractions of the face.
     heights: Vec<[f64; 2]>,
     lattice: Lattice,
-    /// Number of each circle.
+    /// Number of each circle of a random surface.
     number: Vec<u32>,
     orders: Orders,
 }
@@ -60,8 +92,10 @@ pub(crate) struct ScreenRings {
 pub(crate) enum Orders {
     /// Light in exactly its direction.
     Exact,
-    /// Light of all directions of its cell.
+    /// Light of all directions of its cell, on a face with Gaussian heights.
     Cells,
+    /// The same on a face with shapes at random places.
+    CellsOfShapes,
 }
 
 impl Orders {
@@ -137,25 +171,34 @@ impl Lattice {
 }
 
 impl ScreenRings {
-    /// Powers of a map for these phases per um. `stop` as in
-    /// [`Goniometer::replicate`](crate::Goniometer::replicate): `None` if it stopped.
+    /// Powers of a map for this light. `stop` as in [`Goniometer::replicate`](crate::Goniometer::replicate):
+    /// `None` if it stopped.
     pub(crate) fn new(
         map: &HeightMap,
         (plane, orders): (&Plane, Orders),
-        phases: &[f64],
+        light: &ScreenLight,
         stop: &dyn Fn() -> bool,
     ) -> Option<Self> {
-        let circles = Circles::new(map);
-        let phases = nodes(phases, MOST_HEIGHTS / map.heights_um().len());
-        let mut powers = Vec::with_capacity(phases.len());
-        for per_um in &phases {
+        let circles = match orders {
+            Orders::Exact => Circles::exact(map, &light.edges),
+            Orders::Cells | Orders::CellsOfShapes => Circles::of_cells(map),
+        };
+        let [low, high] = extremes(map);
+        let heights = ScreenHeights {
+            count: map.heights_um().len(),
+            range_um: high - low,
+            is_gaussian: orders == Orders::Cells,
+        };
+        let nodes = PhaseNodes::new(&light.phases, heights);
+        let mut powers = Vec::with_capacity(nodes.all().len());
+        for per_um in nodes.all() {
             if stop() {
                 return None;
             }
             powers.push(circles.powers(map, plane, *per_um));
         }
         let Circles { frequencies, lattice, number, .. } = circles;
-        Some(Self { phases, frequencies, powers, heights: classes(map), lattice, number, orders })
+        Some(Self { nodes, frequencies, powers, heights: classes(map), lattice, number, orders })
     }
 
     /// What the screen does with the light of a way.
@@ -164,7 +207,7 @@ impl ScreenRings {
         let regular = self.regular(per_um);
         let mut seen = [if way.beta <= way.seen() { regular } else { 0.0 }, 0.0];
         let (mut all, mut propagates) = (regular, regular);
-        let weights = self.weights(per_um);
+        let weights = self.nodes.weights(per_um);
         let beyond = self.beyond(haze_beta() / wavelength_um);
         for (circle, frequency) in self.frequencies.iter().enumerate() {
             let power: f64 = weights.iter().map(|(node, weight)| weight * self.powers[*node][circle]).sum();
@@ -186,7 +229,7 @@ impl ScreenRings {
     fn beyond(&self, radius: f64) -> Vec<f64> {
         let mut beyond: Vec<f64> =
             self.frequencies.iter().map(|frequency| f64::from(u8::from(*frequency > radius))).collect();
-        if self.orders == Orders::Cells {
+        if self.orders != Orders::Exact {
             let sides = self.lattice.per_order;
             let reach = 0.5 * sides[0].hypot(sides[1]);
             let mut sums = vec![[0.0; 2]; beyond.len()];
@@ -209,40 +252,6 @@ impl ScreenRings {
             self.heights.iter().map(|[height, share]| share * Complex64::cis(per_um * height)).sum();
         mean.norm_sqr()
     }
-
-    /// Nodes with the weights with which they give the powers of a phase.
-    fn weights(&self, per_um: f64) -> Vec<(usize, f64)> {
-        let after = self.phases.partition_point(|known| *known < per_um * (1.0 - 1e-12));
-        match self.phases.get(after) {
-            Some(known) if *known <= per_um * (1.0 + 1e-12) => return vec![(after, 1.0)],
-            // Without phase, nothing is scattered.
-            _ if per_um == 0.0 || self.phases.is_empty() => return Vec::new(),
-            _ => {}
-        }
-        let first = after.saturating_sub(2).min(self.phases.len().saturating_sub(4));
-        let four = first..(first + 4).min(self.phases.len());
-        let of = |i: usize| {
-            let others = four.clone().filter(|j| *j != i);
-            let term = |j: usize| (per_um / self.phases[j]).ln() / (self.phases[i] / self.phases[j]).ln();
-            (i, others.map(term).product())
-        };
-        four.clone().map(of).collect()
-    }
-}
-
-/// The phases to compute: all different ones if there are at most this many, else some in equal ratios.
-fn nodes(phases: &[f64], most: usize) -> Vec<f64> {
-    let mut all: Vec<f64> = phases.iter().copied().filter(|phase| *phase > 0.0).collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|one, other| *one <= *other * (1.0 + 1e-12));
-    let most = most.max(FEWEST);
-    match (all.first(), all.last()) {
-        (Some(first), Some(last)) if all.len() > most => {
-            let step = (last / first).ln() / (most - 1) as f64;
-            (0..most).map(|k| first * (step * k as f64).exp()).collect()
-        }
-        _ => all,
-    }
 }
 
 /// Heights with their fractions of a face: all of a small map, classes of a large one.
@@ -252,8 +261,7 @@ fn classes(map: &HeightMap) -> Vec<[f64; 2]> {
     if heights.len() <= CLASSES {
         return heights.iter().map(|height| [*height, share]).collect();
     }
-    let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extremes(map);
     let step = ((high - low) / (CLASSES - 2) as f64).max(f64::MIN_POSITIVE);
     let mut shares = vec![0.0; CLASSES];
     for height in heights {
@@ -268,27 +276,61 @@ fn classes(map: &HeightMap) -> Vec<[f64; 2]> {
     all.map(|(class, share)| [low + step * class as f64, share]).collect()
 }
 
+/// The lowest and the highest height of a map.
+fn extremes(map: &HeightMap) -> [f64; 2] {
+    map.heights_um()
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(*height), high.max(*height)])
+}
+
 /// Orders of a map by the length of their frequency.
 struct Circles {
     lattice: Lattice,
     /// Mean frequency of each circle with orders, per um.
     frequencies: Vec<f64>,
-    /// Their number by the circle.
+    /// Their number by the circle, of a random surface.
     number: Vec<u32>,
     /// Circle of each order; that of the regular direction is none.
     of_order: Vec<u32>,
 }
 
 impl Circles {
-    fn new(map: &HeightMap) -> Self {
+    /// Circles that are equally far apart.
+    fn of_cells(map: &HeightMap) -> Self {
         let lattice = Lattice::new(map);
-        let all = map.heights_um().len();
         let circle = |at: usize| lattice.circle(lattice.frequency(at));
-        let largest = (0..all).map(circle).max().unwrap_or(0);
-        let mut sums = vec![[0.0; 2]; largest + 1];
-        for at in 1..all {
+        Self::of(map, lattice, circle)
+    }
+
+    /// A circle for each length; of large maps, which have more of them than can be told apart, narrow ones. None
+    /// has orders on both sides of one of these edges.
+    fn exact(map: &HeightMap, edges: &[f64]) -> Self {
+        let lattice = Lattice::new(map);
+        let length = |at: usize| {
             let [x, y] = lattice.frequency(at);
-            let sum = &mut sums[circle(at)];
+            x.hypot(y)
+        };
+        let last = edges.last().copied().unwrap_or(0.0);
+        let mut ends: Vec<f64> =
+            (1..map.heights_um().len()).map(length).filter(|one| *one <= last * (1.0 + ROUNDING)).collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|one, before| *one <= *before * (1.0 + ROUNDING));
+        if ends.len() > MOST_CIRCLES {
+            let even = (1..=MOST_CIRCLES).map(|k| last * k as f64 / MOST_CIRCLES as f64);
+            ends = even.chain(edges.iter().copied()).collect();
+            ends.sort_by(f64::total_cmp);
+        }
+        // What is beyond the last end does not exist, and is one circle.
+        Self::of(map, lattice, |at| ends.partition_point(|end| *end < length(at) * (1.0 - 2.0 * ROUNDING)))
+    }
+
+    /// Circles by their number for each order.
+    fn of(map: &HeightMap, lattice: Lattice, circle: impl Fn(usize) -> usize) -> Self {
+        let of_order: Vec<usize> = (1..map.heights_um().len()).map(circle).collect();
+        let mut sums = vec![[0.0; 2]; of_order.iter().max().map_or(0, |most| most + 1)];
+        for (before, circle) in of_order.iter().enumerate() {
+            let [x, y] = lattice.frequency(before + 1);
+            let sum = &mut sums[*circle];
             *sum = [sum[0] + x.hypot(y), sum[1] + 1.0];
         }
         // Circles without orders are left out.
@@ -298,7 +340,7 @@ impl Circles {
             number[at] = frequencies.len() as u32;
             frequencies.push(sum / count);
         }
-        let of_order = (1..all).map(|at| number[circle(at)]).collect();
+        let of_order = of_order.into_iter().map(|circle| number[circle]).collect();
         Self { lattice, frequencies, number, of_order }
     }
 

@@ -20,7 +20,7 @@ use papilio_fourier::Plane;
 
 use crate::goniometer::{Measured, haze_beta};
 use crate::harvey_shack::{HarveyShack, Lobes};
-use crate::screen_rings::{Lattice, Orders, ScreenRings, ScreenShares};
+use crate::screen_rings::{Lattice, Orders, ScreenLight, ScreenRings, ScreenShares};
 use crate::wave_way::Way;
 use crate::{HeightMap, MicrogeometryError, Side, Surface};
 
@@ -168,18 +168,19 @@ impl Waves {
         all.flat_map(|(from, deg)| self.wavelengths_nm.iter().map(move |nm| (from, deg, *nm))).collect()
     }
 
-    /// Phases per um of height of the light of a row, in the regular directions.
-    fn phases(&self, (from, theta_deg, nm): &Row) -> impl Iterator<Item = f64> + use<> {
+    /// Ways of the light of a row, with its wavelength in um.
+    fn ways(&self, (from, theta_deg, nm): &Row) -> impl Iterator<Item = (Way, f64)> + use<> {
         let (reflected, transmitted) = Way::both(self.index, *from, *theta_deg);
         let um = 1e-3 * nm;
-        [Some(reflected), transmitted].into_iter().flatten().map(move |way| way.regular_per_um(um))
+        [Some(reflected), transmitted].into_iter().flatten().map(move |way| (way, um))
     }
 
     /// Fails for heights of so many wavelengths that the orders of scattering, about g of them, would need
     /// endless time.
     fn check_phase(&self, rms_um: f64) -> Result<(), MicrogeometryError> {
         let rows = self.rows();
-        let largest = rows.iter().flat_map(|row| self.phases(row)).map(f64::abs).fold(0.0, f64::max);
+        let ways = rows.iter().flat_map(|row| self.ways(row));
+        let largest = ways.map(|(way, um)| way.regular_per_um(um)).fold(0.0, f64::max);
         if largest * rms_um <= MOST_PHASE {
             return Ok(());
         }
@@ -217,9 +218,13 @@ impl Waves {
         self.check_phase(statistics.rms_um)?;
         let plane = Plane::new([map.columns(), map.rows()]);
         let rows = self.rows();
-        let phases: Vec<f64> = rows.iter().flat_map(|row| self.phases(row)).collect();
-        let orders = if surface.is_random() { Orders::Cells } else { Orders::Exact };
-        let rings = ScreenRings::new(&map, (&plane, orders), &phases, stop);
+        let light = ScreenLight::new(rows.iter().flat_map(|row| self.ways(row)));
+        let orders = match surface {
+            Surface::Random(_) => Orders::Cells,
+            other if other.is_random() => Orders::CellsOfShapes,
+            _ => Orders::Exact,
+        };
+        let rings = ScreenRings::new(&map, (&plane, orders), &light, stop);
         let rings = rings.ok_or(MicrogeometryError::Interrupted)?;
         let share = |row: &Row| {
             let (from, theta_deg, nm) = *row;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use papilio_fourier::Plane;
 
 use crate::harvey_shack::Lobes;
-use crate::screen_rings::{Orders, ScreenRings};
+use crate::screen_rings::{Orders, ScreenLight, ScreenRings};
 use crate::wave_way::{Way, first_inside, inside};
 use crate::waves::Waves;
 use crate::*;
@@ -73,8 +73,8 @@ fn oblique_gratings_have_their_orders() {
     let map = HeightMap::new(128, [pitch_um / 128.0; 2], (0..128).map(height).collect()).unwrap();
     let plane = Plane::new([128, 1]);
     let all = ways(&[30.0, 60.0]);
-    let phases: Vec<f64> = all.iter().map(|way| way.regular_per_um(um)).collect();
-    let rings = ScreenRings::new(&map, (&plane, Orders::Exact), &phases, &|| false).unwrap();
+    let light = ScreenLight::new(all.iter().map(|way| (*way, um)));
+    let rings = ScreenRings::new(&map, (&plane, Orders::Exact), &light, &|| false).unwrap();
     let mut evanescent = 0;
     for way in all {
         let phase = way.regular_per_um(um) * amplitude_um;
@@ -96,13 +96,64 @@ fn oblique_gratings_have_their_orders() {
     assert!(evanescent > 3, "the test has no power where all orders exist");
 }
 
+/// Crossed sines: amplitudes of the orders (m, n) are products of J_m and J_n of the oblique phase amplitude,
+/// and the squares of those that exist beyond 2.5 deg are the haze. In one map, the first orders are within 2.5
+/// deg by a hair at 540 nm. In the other one, most light goes beyond. There are more phases than screens.
+#[test]
+fn crossed_gratings_have_their_orders_at_all_inclinations() {
+    let wavelengths_nm: Vec<f64> = (0..=14).map(|k| 400.0 + 20.0 * f64::from(k)).collect();
+    let incidence_deg = vec![0.0, 20.0, 40.0, 60.0, 75.0];
+    for (periods, pitch_um, amplitude_um) in [(8, 99.4 / 8.0, 0.1), (1, 3.0, 0.25), (1, 3.0, 1.0)] {
+        let points = if amplitude_um > 0.5 { 256 } else { 64 * periods / 2 + 32 };
+        let sine = |at: usize| (2.0 * PI * (at * periods) as f64 / points as f64).sin();
+        let height = |at: usize| amplitude_um * (sine(at % points) + sine(at / points));
+        let heights = (0..points * points).map(height).collect();
+        let map = HeightMap::new(points, [pitch_um * periods as f64 / points as f64; 2], heights).unwrap();
+        let surface = Surface::Heights(map);
+        let waves = Waves {
+            index: INDEX,
+            incidence_deg: incidence_deg.clone(),
+            wavelengths_nm: wavelengths_nm.clone(),
+        };
+        let found = waves.combined(&surface, &[waves.screen(&surface, 0, &|| false).unwrap()]);
+        let mut tests = 0;
+        for one in found.shares.iter().filter(|one| [440.0, 540.0, 680.0].contains(&one.wavelength_nm)) {
+            let um = 1e-3 * one.wavelength_nm;
+            let (reflected, transmitted) = Way::both(INDEX, one.from, one.theta_deg);
+            let pairs = [(Some(reflected), Some(one.reflected)), (transmitted, one.transmitted)];
+            for (way, shares) in pairs.into_iter().filter_map(|(way, shares)| Some((way?, shares?))) {
+                let phase = way.regular_per_um(um) * amplitude_um;
+                let powers: Vec<f64> = (0..100).map(|m| bessel(m, phase).powi(2)).collect();
+                let (mut near, mut far, mut exists) = (0.0, 0.0, 0.0);
+                for m in 0..100_usize {
+                    for n in 0..100_usize {
+                        let both = [m, n].iter().filter(|order| **order > 0).count() as i32;
+                        let power = 2.0_f64.powi(both) * powers[m] * powers[n];
+                        let distance = um * (m as f64).hypot(n as f64) / pitch_um;
+                        exists += power * inside(distance, way.beta, way.disc());
+                        let seen = power * inside(distance, way.beta, way.seen());
+                        let is_haze = distance > 2.5_f64.to_radians().sin();
+                        *(if is_haze { &mut far } else { &mut near }) += seen;
+                    }
+                }
+                let what = format!("{amplitude_um} um, {} nm, {:?}: {shares:?}", one.wavelength_nm, way);
+                assert!((shares.regular.value - powers[0].powi(2)).abs() < 1e-9, "{what}");
+                assert!((shares.haze.value - far / (near + far)).abs() < 1e-6, "{what} {far} {near}");
+                assert!((shares.evanescent.value - 1.0 + exists).abs() < 1e-6, "{what} {exists}");
+                tests += 1;
+            }
+        }
+        assert_eq!(tests, 3 * (2 * 5 + 5 + 3));
+    }
+}
+
 /// A face without structures keeps all light in the regular direction.
 #[test]
 fn flat_screens_scatter_nothing() {
     let map = HeightMap::new(4, [1.0; 2], vec![0.0; 16]).unwrap();
     let all = ways(&[0.0, 50.0]);
-    let phases: Vec<f64> = all.iter().map(|way| way.regular_per_um(0.55)).collect();
-    let rings = ScreenRings::new(&map, (&Plane::new([4; 2]), Orders::Exact), &phases, &|| false).unwrap();
+    let light = ScreenLight::new(all.iter().map(|way| (*way, 0.55)));
+    let rings = ScreenRings::new(&map, (&Plane::new([4; 2]), Orders::Exact), &light, &|| false).unwrap();
     for way in all {
         let found = rings.of(&way, 0.55);
         assert!((found.regular - 1.0).abs() < 1e-12 && found.evanescent.abs() < 1e-12, "{found:?}");
@@ -247,11 +298,12 @@ fn powers_between_phases_are_interpolated() {
     let plane = Plane::new([map.columns(), map.rows()]);
     let phase = |k: u32| 2.0 * 1.2_f64.powf(f64::from(k));
     let nodes: Vec<f64> = (0..16).map(phase).collect();
+    let nodes = ScreenLight::of_phases(nodes);
     let rings = ScreenRings::new(&map, (&plane, Orders::Cells), &nodes, &|| false).unwrap();
     for way in ways(&[20.0, 50.0]) {
         let um = 0.55;
-        let exact =
-            ScreenRings::new(&map, (&plane, Orders::Cells), &[way.regular_per_um(um)], &|| false).unwrap();
+        let one = ScreenLight::new([(way, um)]);
+        let exact = ScreenRings::new(&map, (&plane, Orders::Cells), &one, &|| false).unwrap();
         let [found, expected] = [&rings, &exact].map(|rings| rings.of(&way, um));
         assert!((found.regular - expected.regular).abs() < 1e-4, "{found:?} {expected:?}");
         assert!((found.haze - expected.haze).abs() < 2e-3, "{found:?} {expected:?}");
