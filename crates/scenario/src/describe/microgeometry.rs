@@ -103,7 +103,8 @@ surface! {
         pixel_um: Option<HeightDistance>,
         /// Height of the number 1 of the file. Default: the unit of the file; 1 um for .npy and .csv.
         height_um_per_unit: Option<SurfaceLength>,
-        /// Whether the mean plane is subtracted.
+        /// Whether the mean plane is subtracted (`"repeat"`: the mean, and a tilt that makes a step where periods
+        /// meet).
         level: bool = true,
         /// How the map repeats.
         period: MapPeriod = MapPeriod::Mirror,

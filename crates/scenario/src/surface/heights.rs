@@ -56,7 +56,15 @@ impl SurfaceScenario {
             errors.push(map.file.origin, wrong);
             return None;
         }
-        let heights = if map.level.value { heights.levelled() } else { heights };
+        let heights = match (map.level.value, map.period.value) {
+            (false, _) => heights,
+            (true, MapPeriod::Mirror) => heights.levelled(),
+            (true, MapPeriod::Repeat) => {
+                let (level, rises_um) = heights.levelled_period();
+                notes.extend(tilt(rises_um, &map.file.value));
+                level
+            }
+        };
         notes.extend(doubt(&heights, &map.file.value));
         let heights = match map.period.value {
             MapPeriod::Mirror => heights.mirrored(),
@@ -134,6 +142,23 @@ fn in_um(
             None
         }
     }
+}
+
+/// A note of the tilt that was subtracted from a period.
+fn tilt(rises_um: [f64; 2], file: &str) -> Option<String> {
+    let along = [("x", rises_um[0]), ("y", rises_um[1])];
+    let along: Vec<String> = along
+        .iter()
+        .filter(|(_, rise)| *rise != 0.0)
+        .map(|(axis, rise)| format!("{rise:.4} um along {axis}"))
+        .collect();
+    (!along.is_empty()).then(|| {
+        format!(
+            "{file}: where periods meet, the heights have the step of a tilted surface, {}: the tilt is subtracted; `level = false` keeps a \
+             step that is the surface's own, as of a blazed grating",
+            along.join(" and ")
+        )
+    })
 }
 
 /// A warning of slopes that no instrument measures. Differences across the edges, which a period has and a
