@@ -4,11 +4,15 @@
 //! is blocked, and no light is sent beyond the last measured distance from the specular direction. Options
 //! fill dark cells, set the level of the totals, and extrapolate beyond the largest incidence
 //! and the last distance. [`Changes`] reports every change.
+//!
+//! Light that left a sample in air through a smooth face is interpolated below that face, where it does not fall
+//! towards the horizon ([`face_of`]).
 
 use papilio_optics::interface::fresnel_reflectance;
 use papilio_optics::scatter::{Scatter, Table};
 use papilio_optics::{Beta, Scatterer};
 
+use crate::face::face_of;
 use crate::shape::{Extent, Resampling, inclined_to_deg, on_specular_grid, pair_interpolation};
 use crate::tree::{RING_DEG, moved_by_rings, ring_kernel};
 use crate::{
@@ -57,7 +61,13 @@ pub struct Lamination {
 }
 
 /// Transmittance of the interface below which tails are extrapolated.
-const MIN_TRANSMITTANCE: f64 = 0.1;
+pub(crate) const MIN_TRANSMITTANCE: f64 = 0.1;
+
+/// Last cells of a row of a warped grid, degrees of the viewer's inclination over the number of columns: nodes below
+/// the horizon hold 0, and f cos is no straight line to them.
+const WARPED_CELL_DEG: f64 = 256.0;
+/// The most that they may be, degrees.
+const WARPED_MOST_DEG: f64 = 5.0;
 
 /// Changes made by the conversion to a kernel, and remaining uncertainties.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +150,11 @@ pub fn kernel(
         Fill::None if extrapolate.is_some() => Fill::Beyond,
         fill => fill,
     };
-    let extent = Extent { inclined_to_deg: inclined_to_deg(part, channel), ..Extent::default() };
+    let extent = Extent {
+        inclined_to_deg: inclined_to_deg(part, channel),
+        horizon: horizon(part),
+        ..Extent::default()
+    };
     let shape =
         Shape::of_extent(&grid, &cells, fill, extent).resampled(&Resampling::new(part, channel, &grid));
     let incidences: Vec<f64> = shape.incidences_deg().collect();
@@ -161,9 +175,19 @@ pub fn kernel(
         scale.iter_mut().for_each(|scale| *scale *= factor);
     }
     let mean = if spectrum.is_empty() { 1.0 } else { spectrum.iter().sum::<f64>() / spectrum.len() as f64 };
-    let mounted = preparation.lamination.map(|face| face.removed(&grid, &cells, fill, extent));
+    let is_in_air = preparation.lamination.is_none() && extrapolate.is_none_or(|index| index <= 1.0);
+    let face = if is_in_air { face_of(&grid, &cells, extent.horizon) } else { None };
+    let removed = preparation.lamination.or(face).map(|face| face.removed(&grid, &cells, fill, extent));
+    let below = face.map_or_else(
+        || scale.clone(),
+        |face| scale.iter().zip(&incidences).map(|(scale, theta)| scale / face.passed_at(*theta)).collect(),
+    );
     let table =
-        table(mounted.as_ref().unwrap_or(&shape), &scale, distances(&shape, extrapolate.unwrap_or(1.0)))?;
+        table(removed.as_ref().unwrap_or(&shape), &below, distances(&shape, extrapolate.unwrap_or(1.0)))?;
+    let table = match face {
+        Some(face) => table.behind_face(face.index),
+        None => table,
+    };
     let table = match (extrapolate, extent.inclined_to_deg.filter(|_| fill == Fill::None)) {
         (Some(_), _) => table,
         (None, None) => table.dark_beyond(),
@@ -271,6 +295,13 @@ fn of_tree(
     Ok((scatter, changes))
 }
 
+/// Largest `|beta|` of scattered light up to which f is known.
+fn horizon(part: &MeasuredPart) -> f64 {
+    let Geometry::Warped(grid) = &part.geometry else { return 1.0 };
+    let cells_deg = WARPED_CELL_DEG / grid.fields().shape[1] as f64;
+    (90.0 - cells_deg.min(WARPED_MOST_DEG)).to_radians().sin()
+}
+
 /// Tabulates a shape; values of each incidence are multiplied by its scale.
 fn table(shape: &Shape, scale: &[f64], radial: Vec<f64>) -> Result<Table, GoniometryError> {
     let azimuth: Vec<f64> =
@@ -365,8 +396,13 @@ fn least_measured_deg(shape: &Shape) -> Option<f64> {
 
 impl Lamination {
     /// Transmittance of the interface at a `|beta|`.
-    fn passed(&self, beta: f64) -> f64 {
+    pub(crate) fn passed(&self, beta: f64) -> f64 {
         1.0 - fresnel_reflectance(1.0, self.index, beta)
+    }
+
+    /// The same at an inclination in air, at least as much as cells are divided by.
+    pub(crate) fn passed_at(&self, theta_deg: f64) -> f64 {
+        self.passed(theta_deg.to_radians().sin()).max(MIN_TRANSMITTANCE)
     }
 
     /// Lobe of a grid's cells without the interface. Cells are divided before the smooth lobe is formed,
@@ -375,6 +411,7 @@ impl Lamination {
         let passed = |beta: f64| self.passed(beta);
         let horizon = (0..=900).map(|k| (0.1 * f64::from(k)).to_radians().sin());
         let horizon = horizon.take_while(|beta| passed(*beta) >= MIN_TRANSMITTANCE).last().unwrap_or(0.0);
+        let horizon = horizon.min(extent.horizon);
         let transmittance = |cell: usize| {
             grid.directions(cell).map_or(1.0, |[_, to]| passed(to.leaving().length()).max(MIN_TRANSMITTANCE))
         };

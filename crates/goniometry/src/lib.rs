@@ -39,6 +39,7 @@ mod calibration;
 mod direction;
 mod double_pass;
 mod error;
+mod face;
 mod fit;
 mod geometry;
 mod instrument;

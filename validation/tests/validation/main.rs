@@ -12,6 +12,7 @@ mod chapter_5;
 mod colour_oracle;
 mod colour_table_5_1;
 mod errors_over_seeds;
+mod exported;
 mod fit;
 mod flat_chains;
 mod lamps;

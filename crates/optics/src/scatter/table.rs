@@ -15,6 +15,10 @@
 //! or nothing is scattered ([`Table::dark_beyond`]). Beyond the last distance nothing is scattered. Along
 //! the normal, and at the peak, the mean over azimuth is used: an isotropic sample has no azimuth there.
 //!
+//! **Faces.** What leaves through a smooth face falls towards the horizon with the transmittance of the face,
+//! as a square root of `1 - |beta|`, which no cubic follows. A kernel [behind a face](Table::behind_face) is
+//! the interpolated one times the transmittances of both directions.
+//!
 //! **Sampling.** [`sample`](crate::scatterer::Scatterer::sample) uses a working table that is bilinear
 //! between finer nodes: samples follow `density` exactly, and value over density is the albedo, within a few
 //! percent.
@@ -26,6 +30,7 @@ use super::albedos::{Albedos, Totals, integral, intervals, turned};
 use super::axis::Axis;
 use super::proposal::Proposal;
 use super::smooth::Smooth;
+use crate::interface::fresnel_reflectance;
 use crate::{Beta, OpticsError};
 
 /// A tabulated kernel.
@@ -46,13 +51,15 @@ pub struct Table {
     end: f64,
     /// Largest `|beta|` to which light is scattered.
     reach: f64,
+    /// Index of a medium below a smooth face to air that the light passes twice.
+    face: Option<f64>,
 }
 
 /// Kernels are equal if their values are: everything else follows from them.
 impl PartialEq for Table {
     fn eq(&self, other: &Self) -> bool {
         let ends = |table: &Self| [table.width, table.last, table.end, table.reach];
-        ends(self) == ends(other) && self.smooth == other.smooth
+        ends(self) == ends(other) && self.face == other.face && self.smooth == other.smooth
     }
 }
 
@@ -63,6 +70,9 @@ const WORKING_AZIMUTH: f64 = PI / 18.0;
 const FARTHEST: f64 = 4.0;
 /// Number of cells of the working table up to which distances are halved.
 const WORKING_CELLS: usize = 60_000;
+/// Smallest transmittance of a face with which directions are sampled: samples towards the horizon, where it
+/// vanishes within less than a cell, are then frequent enough.
+const LEAST_SAMPLED: f64 = 0.3;
 /// Finest accuracy of totals.
 const FINEST: usize = 8;
 /// Nodes of totals in an interval, besides one for each step of fineness, and their longest interval.
@@ -111,7 +121,22 @@ impl Table {
             last: incidence[incidence.len() - 1],
             end: 1.0,
             reach: 1.0,
+            face: None,
         })
+    }
+
+    /// Returns the kernel times the transmittances, for the directions of incident and of scattered light in air,
+    /// of a smooth face to a medium of this index.
+    pub fn behind_face(self, index: f64) -> Self {
+        Self { face: Some(index), ..self }.without_integrals()
+    }
+
+    /// Transmittances of the face for both directions, if there is one.
+    #[inline]
+    fn passed(&self, from: f64, to: f64) -> f64 {
+        let Some(index) = self.face else { return 1.0 };
+        let [from, to] = [from, to].map(|length| 1.0 - fresnel_reflectance(1.0, index, length));
+        from * to
     }
 
     /// Returns the same kernel without scattering of light from beyond its last incidence.
@@ -153,6 +178,12 @@ impl Table {
     /// Returns the kernel without regard to the disc of air and to its ends, in either direction.
     #[inline]
     fn held(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
+        self.inner(from, to, reversed) * self.passed(from.length(), to.length())
+    }
+
+    /// Returns the kernel below its face.
+    #[inline]
+    fn inner(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
         let [from, to] = if reversed { [to, from] } else { [from, to] };
         let (length, distance, azimuth) = place(from, to);
         self.smooth.value(length, distance, azimuth)
@@ -173,7 +204,10 @@ impl Table {
         self.proposals[usize::from(reversed)].get_or_init(|| {
             let [from, to] = self.discs(reversed);
             let axes = self.working(from);
-            Proposal::new(axes.each_ref().map(|axis| &axis[..]), to, |from, to| self.held(from, to, reversed))
+            Proposal::new(axes.each_ref().map(|axis| &axis[..]), to, |from, to| {
+                // The light of an incidence is sampled in any case, however little of it there is.
+                self.inner(from, to, reversed) * self.passed(0.0, to.length()).max(LEAST_SAMPLED)
+            })
         })
     }
 
@@ -200,11 +234,11 @@ impl Table {
     fn integral(&self, [distances, angles]: &[Axis; 2], length: f64, reversed: bool, points: usize) -> f64 {
         let to = if reversed { self.end } else { self.reach };
         integral(distances, angles, (length, to), points, |distance, angle| {
-            if !reversed {
+            if !reversed && self.face.is_none() {
                 return self.smooth.value(length, distance, angle);
             }
             let [from, to] = turned(length, distance, angle);
-            self.held(from, to, true)
+            self.held(from, to, reversed)
         })
     }
 

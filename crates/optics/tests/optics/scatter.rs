@@ -274,9 +274,43 @@ fn lengths(kernel: &Scatter) -> Vec<f64> {
     [0.0, 0.37, 0.9].into_iter().chain(beyond.into_iter().filter(|_| kernel.discs()[0] > 1.0)).collect()
 }
 
+/// A perfect diffuser below a face of glass.
+fn behind_a_face() -> Scatter {
+    table(0.05, 18, |_, _, _| 1.0 / PI).behind_face(1.5).into()
+}
+
+/// A diffuser below a face: both transmittances up to the horizon, and the light that leaves. Diffuse light from
+/// air loses 9.18 % at the face (n = 1.5). Samples have the same light.
+#[test]
+fn kernels_behind_a_face_have_its_transmittances() {
+    let kernel = behind_a_face();
+    let passed = |beta: f64| 1.0 - papilio_optics::interface::fresnel_reflectance(1.0, 1.5, beta);
+    let numbers = SampleStream::new(Sampler::Random, 29, 0);
+    for from in [0.0, 0.37, 0.9, 0.99] {
+        for to in [0.0, 0.5, 0.97, 0.9999] {
+            let found = kernel.evaluate(along_x(from), Beta { x: 0.6 * to, y: 0.8 * to });
+            let expected = passed(from) * passed(to) / PI;
+            assert!((found / expected - 1.0).abs() < 1e-9, "{from} {to}: {found} {expected}");
+        }
+        let expected = passed(from) * (1.0 - 0.0918);
+        assert!((kernel.albedo_at(from) / expected - 1.0).abs() < 3e-3, "{}", kernel.albedo_at(from));
+        let (samples, mut sums) = (20_000, [0.0; 2]);
+        for path in 0..samples {
+            let [u, v, w, _] = numbers.block(path, 0);
+            let sampled = kernel.sample(along_x(from), [u, v, w, 0.5]);
+            let weight = sampled
+                .map_or(0.0, |sampled| kernel.evaluate(along_x(from), sampled.direction) / sampled.density);
+            sums = [sums[0] + weight, sums[1] + weight * weight];
+        }
+        let [mean, square] = sums.map(|sum| sum / samples as f64);
+        let error = ((square - mean * mean) / samples as f64).sqrt();
+        assert!((mean - expected).abs() < 4.0 * error + 1e-3 * expected, "{from}: {mean} {error} {expected}");
+    }
+}
+
 #[test]
 fn samples_follow_density() {
-    for (number, kernel) in all_kernels().iter().enumerate() {
+    for (number, kernel) in all_kernels().iter().chain([&behind_a_face()]).enumerate() {
         for length in lengths(kernel) {
             let from = Beta { x: 0.8 * length, y: -0.6 * length };
             let found = chi_square(kernel, from, |to| kernel.density(from, to));
