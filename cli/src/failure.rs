@@ -1,8 +1,12 @@
 //! Why a command failed, and the exit code.
+//!
+//! A file or folder that cannot be written is a mistake of the user if another place would do (2), and otherwise a failure of the
+//! system, as with a full disk (1): [`is_of_place`] decides, for files ([`Failure::from`]) and folders ([`Failure::of_folder`]).
 
 use std::path::Path;
 
-use papilio_formats::{FormatError, Problem};
+use papilio_formats::{FormatError, Problem, is_of_place, unwritable};
+use papilio_reproduction::ReproductionError;
 use papilio_scenario::near_file;
 
 /// Why a command failed.
@@ -14,10 +18,10 @@ pub(crate) enum Failure {
     /// Another input is invalid: an argument, a file or a combination of them.
     #[error("error: {0}")]
     Input(String),
-    /// A data file is invalid.
+    /// A data file is invalid, or a file is to be written where none can be.
     #[error("{}", with_hint(.0))]
     Data(FormatError),
-    /// A file could not be written.
+    /// The system could not write a file.
     #[error(transparent)]
     Write(FormatError),
     /// A figure could not be converted to PNG.
@@ -31,7 +35,10 @@ pub(crate) enum Failure {
     Design(papilio_design::DesignError),
     /// The reproduction report could not be computed.
     #[error("error: {0}")]
-    Report(#[from] papilio_reproduction::ReproductionError),
+    Report(ReproductionError),
+    /// The system lacks what a command needs.
+    #[error("error: {0}")]
+    System(String),
     /// The web app could not be served.
     #[error("error: {0}")]
     Serve(#[from] papilio_web::ServeError),
@@ -76,6 +83,19 @@ impl Failure {
         }
     }
 
+    /// Failure to write into a folder; `what` says what cannot be done, with its path.
+    pub(crate) fn of_folder(folder: &Path, what: &str, error: &std::io::Error) -> Self {
+        match is_of_place(error) {
+            true => Self::Input(format!("{what}: {error}\n  = help: choose another folder with --out DIR")),
+            false => unwritable(folder, error).into(),
+        }
+    }
+
+    /// Whether the system fails, so that the same command fails for any input.
+    pub(crate) fn is_of_system(&self) -> bool {
+        matches!(self, Self::Write(_) | Self::Io(_) | Self::System(_))
+    }
+
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(_)
@@ -84,7 +104,7 @@ impl Failure {
             | Self::Display(_)
             | Self::Design(_)
             | Self::Serve(_) => 2,
-            Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) => 1,
+            Self::Write(_) | Self::Png(_) | Self::Io(_) | Self::Report(_) | Self::System(_) => 1,
             Self::Infeasible(_) => 3,
             Self::Interrupted(_) => 130,
         }
@@ -102,11 +122,26 @@ impl From<papilio_design::DesignError> for Failure {
 }
 
 impl From<FormatError> for Failure {
-    /// A file that cannot be written is an internal error; any other problem of a file is invalid input.
+    /// A file that the system cannot write anywhere is its failure; any other problem of a file is invalid input.
     fn from(error: FormatError) -> Self {
         match error.problem {
-            Problem::Unwritable { .. } => Self::Write(error),
+            Problem::Unwritable { is_of_place: false, .. } => Self::Write(error),
             _ => Self::Data(error),
+        }
+    }
+}
+
+impl From<ReproductionError> for Failure {
+    /// Files and folders fail as those of all commands.
+    fn from(error: ReproductionError) -> Self {
+        match error {
+            ReproductionError::File(error) => error.into(),
+            ReproductionError::Folder(folder, error) => Self::of_folder(
+                &folder,
+                &format!("the folder {} cannot be created", folder.display()),
+                &error,
+            ),
+            other => Self::Report(other),
         }
     }
 }

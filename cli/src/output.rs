@@ -1,16 +1,16 @@
 //! Files of results.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
 use papilio_display::{AmbientLight, ConeResult};
-use papilio_figures::HAS_PNG;
 use papilio_formats::{
-    ConeFile, ResultFile, remove_abandoned, report::RunReport, unwritable, write_cone_csv, write_cone_npy,
-    write_file, write_json, write_spectra, write_states,
+    ConeFile, ResultFile, is_of_place, remove_abandoned, report::RunReport, unwritable, write_cone_csv,
+    write_cone_npy, write_file, write_json, write_spectra, write_states,
 };
 
-use crate::Failure;
+use crate::{Failure, print_message};
 
 /// Fails if results cannot be written to `folder`; creates nothing.
 pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
@@ -38,26 +38,14 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
     let probe = existing.join(format!(".papilio.{}.papilio.tmp", std::process::id()));
     let probed = std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe));
     probed.map_err(|error| {
-        if is_full(&error) { unwritable(existing, &error).into() } else { failure("is not writable") }
+        if is_of_place(&error) { failure("is not writable") } else { unwritable(existing, &error).into() }
     })
-}
-
-/// Whether the system has no space left, which is not an error of the input.
-fn is_full(error: &std::io::Error) -> bool {
-    use std::io::ErrorKind::{QuotaExceeded, StorageFull};
-    matches!(error.kind(), StorageFull | QuotaExceeded)
 }
 
 /// Creates the folder for results.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let failure = |error: std::io::Error| match is_full(&error) {
-        true => unwritable(folder, &error).into(),
-        false => Failure::Input(format!(
-            "the folder {} cannot be created: {error}\n  = help: choose another folder with --out DIR",
-            folder.display()
-        )),
-    };
-    std::fs::create_dir_all(folder).map_err(failure)
+    let what = || format!("the folder {} cannot be created", folder.display());
+    std::fs::create_dir_all(folder).map_err(|error| Failure::of_folder(folder, &what(), &error))
 }
 
 /// Creates the folder for a run, and removes the figures of an earlier run, which could be mistaken for new
@@ -69,15 +57,15 @@ fn prepare_folder(folder: &Path) -> Result<(), Failure> {
 
 /// Removes files of an earlier command from a folder.
 pub(crate) fn remove(folder: &Path, is_old: impl Fn(&str) -> bool) -> Result<(), Failure> {
-    let failure = |error| {
-        Failure::Input(format!(
-            "files of an earlier run cannot be removed from {}: {error}",
-            folder.display()
-        ))
+    let unread = |error| {
+        let what = format!("the folder {} cannot be read", folder.display());
+        Failure::of_folder(folder, &what, &error)
     };
-    for entry in std::fs::read_dir(folder).map_err(failure)?.flatten() {
-        if entry.file_name().to_str().is_some_and(&is_old) && !papilio_formats::is_input(&entry.path()) {
-            std::fs::remove_file(entry.path()).map_err(failure)?;
+    for entry in std::fs::read_dir(folder).map_err(unread)?.flatten() {
+        let path = entry.path();
+        if entry.file_name().to_str().is_some_and(&is_old) && !papilio_formats::is_input(&path) {
+            let what = || format!("{}, of an earlier run, cannot be removed", path.display());
+            std::fs::remove_file(&path).map_err(|error| Failure::of_folder(&path, &what(), &error))?;
         }
     }
     Ok(())
@@ -157,43 +145,36 @@ pub(crate) fn write_run(folder: &Path, files: &Files<'_>) -> Result<Vec<String>,
         let page = RunReport { title, file, cone_warnings, figures: &figures, in_glass };
         write(REPORT, &|out| out.write_all(page.html().as_bytes()))?;
     }
-    for (name, svg) in figures {
-        write(&format!("{name}.svg"), &|out| out.write_all(svg.as_bytes()))?;
-        if HAS_PNG && (png || name == "cone") {
-            let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
-            write(&format!("{name}.png"), &|out| out.write_all(&picture))?;
-        }
-    }
+    names.extend(write_figures(folder, figures, png)?);
     Ok(names)
 }
 
-/// Writes a figure as SVG, and as PNG if the program supports it; returns the names of the files.
-pub(crate) fn write_figure(folder: &Path, name: &str, svg: &str) -> Result<Vec<String>, Failure> {
-    let mut names = vec![format!("{name}.svg")];
-    write_file(&folder.join(&names[0]), |out| out.write_all(svg.as_bytes()))?;
-    if HAS_PNG {
-        let picture = papilio_figures::png(svg, papilio_figures::PNG_SCALE)?;
-        names.push(format!("{name}.png"));
-        write_file(&folder.join(&names[1]), |out| out.write_all(&picture))?;
-    }
-    Ok(names)
-}
-
-/// Writes figures (name without extension, SVG), as PNG too if `png`; returns the names of the files.
+/// Writes figures (name without extension, SVG): always as SVG, and as PNG too if `png`, which is `--png` of the command; returns
+/// the names of the files. Without `--png`, a PNG file of the same name is that of an earlier command, and is removed.
 pub(crate) fn write_figures(
     folder: &Path,
     drawn: Vec<(String, String)>,
     png: bool,
 ) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
+    let mut incomplete: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for (name, svg) in drawn {
+        let [vector, raster] = ["svg", "png"].map(|end| format!("{name}.{end}"));
+        write_file(&folder.join(&vector), |out| out.write_all(svg.as_bytes()))?;
+        names.push(vector);
         if png {
-            names.extend(write_figure(folder, &name, &svg)?);
-        } else {
-            let name = format!("{name}.svg");
-            write_file(&folder.join(&name), |out| out.write_all(svg.as_bytes()))?;
-            names.push(name);
+            let picture = papilio_figures::png(&svg, papilio_figures::PNG_SCALE)?;
+            write_file(&folder.join(&raster), |out| out.write_all(&picture.value))?;
+            for warning in picture.warnings {
+                incomplete.entry(warning).or_default().push(raster.clone());
+            }
+            names.push(raster);
+        } else if folder.join(&raster).is_file() {
+            remove(folder, |old| old == raster)?;
         }
+    }
+    for (warning, files) in incomplete {
+        print_message(&format!("warning: {}: {warning}", files.join(", ")));
     }
     Ok(names)
 }
@@ -214,5 +195,5 @@ pub(crate) fn print_written(folder: &Path, names: &[String]) {
         many if shown.is_empty() => shown = format!("{} figures", many.len()),
         many => shown = format!("{shown} and {} figures", many.len()),
     }
-    crate::print_message(&format!("wrote {}: {shown}", folder.display()));
+    print_message(&format!("wrote {}: {shown}", folder.display()));
 }

@@ -10,16 +10,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use papilio_display::image::ImageNumbers;
-use papilio_formats::{DataFile, LARGEST_PICTURE_FILE, write_file, write_json};
+use papilio_formats::{DataFile, FormatError, LARGEST_PICTURE_FILE, Problem, write_file, write_json};
 use papilio_scenario::{
-    ExampleDisplay, Library, MemoryFile, PICTURE_LIGHT, Resolved, Scenario, picture_scenario, picture_size,
+    ExampleDisplay, Library, MemoryFile, PICTURE_LIGHT, Resolved, Scenario, looks_like_path,
+    picture_scenario, picture_size,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::{ImageCommand, SpatialCommand};
 use crate::claim::Claim;
 use crate::numbers::measured;
-use crate::{Failure, image, interrupt, output, print_message, report, terminal};
+use crate::{Failure, image, input, interrupt, output, print_message, report, terminal};
 
 pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
     let picture = match (arguments.on, &arguments.picture) {
@@ -34,10 +35,32 @@ pub(crate) fn command(arguments: &ImageCommand) -> Result<(), Failure> {
         (Some(_), None) => Some(arguments.command.scenario.file.display().to_string()),
         (None, picture) => picture.clone(),
     };
+    if let (None, Some(picture)) = (arguments.on, &picture) {
+        check_picture(picture, &arguments.command.scenario.file)?;
+    }
     match picture {
         Some(folder) if Path::new(&folder).is_dir() => show_all(arguments, Path::new(&folder)),
         picture => image::show_one(&Shown { arguments, command: arguments.command.clone(), picture }),
     }
+}
+
+/// Fails if there is no such picture. Its path is from the current folder, unlike those that a scenario names.
+fn check_picture(picture: &str, scenario: &Path) -> Result<(), Failure> {
+    let path = Path::new(picture);
+    if path.is_dir() || path.is_file() {
+        return Ok(());
+    }
+    let missing = DataFile::open_within(path, picture, 0).err();
+    let beside = input::folder(scenario).join(path);
+    let missing = missing.map(|missing| match (&missing.problem, beside.is_file()) {
+        (Problem::Unreadable { .. }, true) => {
+            let wrong = missing.problem.diagnostic().expected("a path from the current folder");
+            let hint = format!("did you mean `{}`?", beside.display());
+            FormatError { problem: wrong.hint(hint).into(), ..missing }
+        }
+        _ => missing,
+    });
+    missing.map_or(Ok(()), |missing| Err(Failure::Data(missing)))
 }
 
 /// A picture, and the display that shows it.
@@ -70,7 +93,11 @@ impl Shown<'_> {
 
     /// The picture as an override.
     fn picture_key(&self) -> Option<String> {
-        let text = |picture: &String| picture.replace('\\', "\\\\").replace('"', "\\\"");
+        let text = |picture: &String| {
+            // A name without an ending would not be taken as a path.
+            let picture = if looks_like_path(picture) { picture.clone() } else { format!("./{picture}") };
+            picture.replace('\\', "\\\\").replace('"', "\\\"")
+        };
         self.picture.as_ref().map(|picture| format!("image.file=\"{}\"", text(picture)))
     }
 
@@ -177,6 +204,8 @@ fn show_all(arguments: &ImageCommand, folder: &Path) -> Result<(), Failure> {
                     "finished pictures are kept: run the same command again to resume",
                 ));
             }
+            // All others would fail, too, after they are computed.
+            Err(failure) if failure.is_of_system() => return Err(failure),
             Err(failure) => {
                 print_message(&failure);
                 wrong.push(picture);

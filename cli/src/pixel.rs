@@ -13,14 +13,14 @@ use papilio_formats::{PixelTable, write_absorption, write_file, write_json, writ
 use papilio_scenario::{Resolved, Scenario};
 
 use crate::arguments::{Angles, Pixel};
-use crate::{Failure, folder, input, interrupt, print_notes, print_warnings, report};
+use crate::{Failure, folder, input, interrupt, output, print_notes, print_warnings, report};
 
 /// Default steps of the angles, in degrees.
 const STEP_DEG: f64 = 1.0;
 const ABSORPTION_STEP_DEG: f64 = 15.0;
 
-/// Files of the absorptance of each layer.
-const ABSORPTION: [&str; 3] = ["absorption.csv", "sub-pixels.csv", "absorption.svg"];
+/// Tables of the absorptance of each layer.
+const ABSORPTION: [&str; 2] = ["absorption.csv", "sub-pixels.csv"];
 
 /// Largest size of a scan; few programs can open a larger file.
 const MOST_NUMBERS: usize = 10_000_000;
@@ -74,18 +74,17 @@ pub(crate) fn pixel(arguments: &Pixel) -> Result<(), Failure> {
     stdout.flush()?;
     let Some(folder) = folder else { return Ok(()) };
     interrupt::catch_ctrl_c();
-    let mut written = vec!["pixel.csv", "pixel.svg"];
-    interrupt::uninterrupted(|| {
+    let names = interrupt::uninterrupted(|| {
         folder::make(&folder, &resolved.hash)?;
-        write(&folder, scan, &title, medium)?;
+        let mut names = write(&folder, scan, &title, medium, arguments.png)?;
         if let Some(absorption) = &absorption {
-            write_absorbed(&folder, absorption, &title, medium)?;
-            written.extend(ABSORPTION);
+            names.extend(write_absorbed(&folder, absorption, [&title, medium], arguments.png)?);
         }
-        folder::write_about(&folder, [&title, &resolved.hash], [&notes, &resolved.warnings])
+        folder::write_about(&folder, [&title, &resolved.hash], [&notes, &resolved.warnings])?;
+        names.push(folder::ABOUT.to_owned());
+        Ok::<_, Failure>(names)
     })?;
-    written.push(folder::ABOUT);
-    folder.print_written(&written.into_iter().map(str::to_owned).collect::<Vec<_>>());
+    folder.print_written(&names);
     Ok(())
 }
 
@@ -108,14 +107,15 @@ fn absorption_of(arguments: &Pixel, resolved: &Resolved, scene: &Scene) -> Resul
 fn write_absorbed(
     folder: &Path,
     absorption: &PixelAbsorption,
-    title: &str,
-    medium: &str,
-) -> Result<(), Failure> {
-    let [rows, sub_pixels, figure] = ABSORPTION.map(|name| folder.join(name));
+    [title, medium]: [&str; 2],
+    png: bool,
+) -> Result<Vec<String>, Failure> {
+    let [rows, sub_pixels] = ABSORPTION.map(|name| folder.join(name));
     write_file(&rows, |out| write_absorption(out, absorption))?;
     write_file(&sub_pixels, |out| write_sub_pixels(out, absorption))?;
-    let svg = papilio_figures::absorption(absorption, medium, title);
-    Ok(write_file(&figure, |out| out.write_all(svg.as_bytes()))?)
+    let figure = ("absorption".to_owned(), papilio_figures::absorption(absorption, medium, title));
+    let figures = output::write_figures(folder, vec![figure], png)?;
+    Ok(ABSORPTION.map(str::to_owned).into_iter().chain(figures).collect())
 }
 
 /// Azimuths of the scan, ascending.
@@ -147,7 +147,13 @@ fn angles(step: f64, azimuths: usize, scene: &Scene) -> Result<Vec<f64>, Failure
     Ok((0..=steps).map(|k| 90.0 * k as f64 / steps as f64).collect())
 }
 
-fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<(), Failure> {
+fn write(
+    folder: &Path,
+    scan: PixelScan,
+    title: &str,
+    medium: &str,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
     let names: Vec<String> = scan.states.iter().map(|(name, _)| name.clone()).collect();
     // The figure shows the first azimuth.
     let (bins, azimuths) = (scan.wavelength_nm.len(), scan.phi_deg.len().max(1));
@@ -171,7 +177,9 @@ fn write(folder: &Path, scan: PixelScan, title: &str, medium: &str) -> Result<()
         states: scan.states,
     };
     write_file(&folder.join("pixel.csv"), |out| table.write(out))?;
-    Ok(write_file(&folder.join("pixel.svg"), |out| out.write_all(pixel_scan(&figure, &title).as_bytes()))?)
+    let figures = vec![("pixel".to_owned(), pixel_scan(&figure, &title))];
+    let figures = output::write_figures(folder, figures, png)?;
+    Ok(std::iter::once("pixel.csv".to_owned()).chain(figures).collect())
 }
 
 /// Peak wavelength and largest reflectance from 400 to 700 nm of each state, at the angles of the table and the first azimuth.

@@ -17,7 +17,9 @@ pub(crate) fn run(arguments: &Serve) -> Result<(), Failure> {
         start: arguments.file.as_deref().map(start).transpose()?,
         jobs: jobs(arguments.jobs.as_deref()),
     };
-    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build();
+    let runtime =
+        runtime.map_err(|error| Failure::System(format!("the server cannot be started: {error}")))?;
     runtime.block_on(async {
         let (site, listener) = Site::bind(options).await?;
         let url = site.url();

@@ -33,8 +33,9 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     print_notes(&resolved.notes);
     print_warnings(&resolved.warnings);
     let [first, last] = [FIRST, arguments.paths];
+    let range = if last < 4 * first { first.to_string() } else { format!("{first} to {last}") };
     print_message(&format!(
-        "note: the study traces {first} to {last} paths (--paths) whatever solver.relative_error is"
+        "note: the study traces {range} paths (--paths) whatever solver.relative_error is"
     ));
     // One thread, and for each sampler and strategy.
     costs::check_paths(&resolved, Some(arguments.paths), (CURVES, "--paths"), Some(1))?;
@@ -51,7 +52,7 @@ pub(crate) fn sampling(Study::Sampling(arguments): &Study) -> Result<(), Failure
     stdout.flush()?;
     let names = interrupt::uninterrupted(|| {
         folder::make(&folder, &resolved.hash)?;
-        let mut names = write(&folder, &curves, &title)?;
+        let mut names = write(&folder, &curves, &title, arguments.png)?;
         folder::write_about(&folder, [&title, &resolved.hash], [&resolved.notes, &resolved.warnings])?;
         names.push(folder::ABOUT.to_owned());
         Ok::<_, Failure>(names)
@@ -125,7 +126,12 @@ fn table(title: &str, curves: &[StudyCurve]) -> String {
     text
 }
 
-fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result<Vec<String>, Failure> {
+fn write(
+    folder: &std::path::Path,
+    curves: &[StudyCurve],
+    title: &str,
+    png: bool,
+) -> Result<Vec<String>, Failure> {
     let mut names = vec!["study.csv".to_owned()];
     write_file(&folder.join("study.csv"), |out| write_study(out, curves))?;
     let mut figures: Vec<(String, String)> = Sampler::ALL
@@ -150,7 +156,7 @@ fn write(folder: &std::path::Path, curves: &[StudyCurve], title: &str) -> Result
         "point_sets".to_owned(),
         point_sets(&point_set_pairs(), &format!("{POINTS} points of each sampler")),
     ));
-    names.extend(output::write_figures(folder, figures, true)?);
+    names.extend(output::write_figures(folder, figures, png)?);
     Ok(names)
 }
 

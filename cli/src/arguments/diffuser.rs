@@ -60,6 +60,9 @@ pub(crate) struct Inspect {
     /// Folder for figures [default: no figures]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Write each figure as PNG too
+    #[arg(long, requires = "out")]
+    pub(crate) png: bool,
 }
 
 #[derive(Debug, Args)]
@@ -72,6 +75,9 @@ pub(crate) struct Steps {
     /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
     #[command(flatten)]
     pub(crate) workers: Workers,
 }
@@ -115,6 +121,9 @@ pub(crate) struct FitArguments {
     /// Folder for a figure of the data and the lobes [default: no figure]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Write each figure as PNG too
+    #[arg(long, requires = "out")]
+    pub(crate) png: bool,
 }
 
 /// Parses the reflectance factor of a white.

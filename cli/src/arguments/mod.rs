@@ -130,6 +130,9 @@ pub(crate) struct StudySampling {
     /// Largest number of paths, rounded down to 512 times a power of four
     #[arg(long, value_name = "N", default_value_t = 131_072, allow_negative_numbers = true, value_parser = paths)]
     pub(crate) paths: u64,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
 }
 
 #[derive(Debug, Args)]
@@ -257,6 +260,9 @@ pub(crate) struct Pixel {
     /// Print the result as JSON on standard output; write files only if --out is given
     #[arg(long)]
     pub(crate) json: bool,
+    /// Write each figure as PNG too
+    #[arg(long)]
+    pub(crate) png: bool,
 }
 
 /// Parses an inclination from 0 to below 90 degrees, and optionally an azimuth.

@@ -18,6 +18,7 @@ const SHOWN_DEG: [f64; 2] = [5.0, 20.0];
 const SHOWN_LOBES: usize = 3;
 
 pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
+    arguments.out.as_deref().map_or(Ok(()), output::check)?;
     let BsdfFile { measurement, warnings, notes, .. } = read_file(&arguments.file, arguments.part)?;
     let Some(part) = measurement.parts.first() else {
         return Err(Failure::Input("the file has no data".to_owned()));
@@ -40,10 +41,10 @@ pub(crate) fn fit(arguments: &FitArguments) -> Result<(), Failure> {
     }
     stdout.flush()?;
     let Some(folder) = &arguments.out else { return Ok(()) };
-    output::check(folder)?;
     output::make_folder(folder)?;
     let svg = figure(&measurement, part, channel, &fits);
-    output::print_written(folder, &output::write_figure(folder, "fit", &svg)?);
+    let figures = vec![("fit".to_owned(), svg)];
+    output::print_written(folder, &output::write_figures(folder, figures, arguments.png)?);
     Ok(())
 }
 

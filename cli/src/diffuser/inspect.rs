@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use crate::{Failure, output, print_message};
 
 pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
+    arguments.out.as_deref().map_or(Ok(()), output::check)?;
     let BsdfFile { measurement, warnings, mut notes, .. } = read_file(&arguments.file, arguments.part)?;
     let spectra: Vec<Transmission> =
         arguments.transmission.iter().map(|path| spectrum(path, &mut notes)).collect::<Result<_, _>>()?;
@@ -35,17 +36,12 @@ pub(crate) fn inspect(arguments: &Inspect) -> Result<(), Failure> {
     }
     stdout.flush()?;
     let Some(folder) = &arguments.out else { return Ok(()) };
-    output::check(folder)?;
     output::make_folder(folder)?;
-    let mut names = Vec::new();
-    for (name, svg) in lobes(&measurement, &audits) {
-        names.extend(output::write_figure(folder, &name, &svg)?);
-    }
+    let mut figures: Vec<(String, String)> = lobes(&measurement, &audits);
     if !spectra.is_empty() {
-        let svg = transmission(&spectra, "Transmission along the normal");
-        names.extend(output::write_figure(folder, "transmission", &svg)?);
+        figures.push(("transmission".to_owned(), transmission(&spectra, "Transmission along the normal")));
     }
-    output::print_written(folder, &names);
+    output::print_written(folder, &output::write_figures(folder, figures, arguments.png)?);
     Ok(())
 }
 

@@ -79,6 +79,7 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
     write_file(&out.join(TABLE), |file| write_steps(file, &rows))?;
     let mut names = vec![TABLE.to_owned()];
     let references: Vec<&Variant> = variants.iter().skip(1).filter(|variant| variant.key.is_none()).collect();
+    let mut figures = Vec::new();
     for variant in &variants {
         let Some(key) = variant.key else { continue };
         let shown: Vec<(&str, &RunResult)> = [&variants[0], variant]
@@ -86,8 +87,9 @@ pub(crate) fn steps(arguments: &Steps) -> Result<(), Failure> {
             .chain(references.iter().copied())
             .map(|variant| (variant.name.as_str(), &variant.result))
             .collect();
-        names.extend(output::write_figure(&out, &format!("step-{key}"), &spectra_over(&shown, &title))?);
+        figures.push((format!("step-{key}"), spectra_over(&shown, &title)));
     }
+    names.extend(output::write_figures(&out, figures, arguments.png)?);
     folder::write_about(&out, [&title, &base.hash], [&base.notes, &base.warnings])?;
     names.push(folder::ABOUT.to_owned());
     out.print_written(&names);

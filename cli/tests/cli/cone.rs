@@ -38,7 +38,10 @@ fn cone_option_adds_cone_files_and_png_option_pictures() {
         // Two levels of discretisation may differ by the target of either.
         assert!((cell - value).abs() < 2e-3 * value, "{key}: {cell} in the cone, {value} in the run");
     }
-    // The next run has none: the old one's would be mistaken for its own.
+    // Without --png the cone has none, and the next run has no cone: the old one's would be mistaken for its own.
+    assert!(run("indoor", &[&out[..], &COARSE, &["--cone"]].concat()).status.success());
+    let vector = names(folder.path());
+    assert!(vector.contains(&"cone.svg".to_owned()) && vector.iter().all(|name| !name.ends_with(".png")));
     assert!(run("indoor", &[&out[..], &COARSE].concat()).status.success());
     assert!(names(folder.path()).iter().all(|name| !name.starts_with("cone") && !name.ends_with(".png")));
 }

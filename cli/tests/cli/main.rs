@@ -49,4 +49,7 @@ mod sparkle;
 mod state_names;
 mod sweep;
 mod tolerance;
+// Limits of a process, as a Unix shell sets them.
+#[cfg(unix)]
+mod unwritable;
 mod warnings;

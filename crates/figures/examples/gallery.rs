@@ -20,7 +20,7 @@ fn main() -> std::io::Result<()> {
     std::fs::create_dir_all(&dir)?;
     let write = |name: &str, svg: String| {
         std::fs::write(dir.join(format!("{name}.svg")), &svg)?;
-        std::fs::write(dir.join(format!("{name}.png")), png(&svg, 2.0).map_err(std::io::Error::other)?)
+        std::fs::write(dir.join(format!("{name}.png")), png(&svg, 2.0).map_err(std::io::Error::other)?.value)
     };
     for (suffix, error) in [("", 0.001), ("_noisy", 0.08)] {
         let run = synthetic::result(&[8.0, 0.0, 15.0, 30.0, 45.0, 60.0], error);

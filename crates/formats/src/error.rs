@@ -38,6 +38,9 @@ pub enum Problem {
     Unwritable {
         /// The operating system's message.
         reason: String,
+        /// Whether this holds for the place alone, as if a file is in its way: another one helps. Otherwise the system fails, as
+        /// with a full disk.
+        is_of_place: bool,
     },
     /// The file is a journal that another program is writing.
     Busy,
@@ -167,8 +170,13 @@ impl Problem {
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::Unreadable { reason } => Diagnostic::new(format!("this file cannot be read: {reason}")),
-            Self::Unwritable { reason } => Diagnostic::new(format!("this file cannot be written: {reason}"))
-                .hint("free some space or change the permissions, or choose another folder"),
+            Self::Unwritable { reason, is_of_place } => {
+                let wrong = Diagnostic::new(format!("this file cannot be written: {reason}"));
+                wrong.hint(match is_of_place {
+                    true => "change the permissions or remove what is in its way, or choose another folder",
+                    false => "free some space, or choose a folder on another disk",
+                })
+            }
             Self::Busy => Diagnostic::new("another program is writing this journal")
                 .hint("wait until it has finished, or specify a different folder"),
             Self::TooLarge { bytes, limit } => Diagnostic::new(format!("this file has {bytes} bytes"))

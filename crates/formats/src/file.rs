@@ -39,6 +39,10 @@ impl DataFile {
     /// If the file cannot be read or is larger than `limit`.
     pub fn open_within(path: &Path, name: &str, limit: u64) -> Result<Self, FormatError> {
         let error = |problem| FormatError::whole(name, problem);
+        if path.as_os_str().is_empty() {
+            let reason = "its name is empty".to_owned();
+            return Err(FormatError::whole("\"\"", Problem::Unreadable { reason }));
+        }
         let unreadable = |e: io::Error| error(Problem::Unreadable { reason: io_message(&e) });
         // The type is checked before the file is opened, because opening a pipe waits for its other end.
         let kind = fs::metadata(path).map_err(unreadable)?;
@@ -104,6 +108,7 @@ pub fn write_file(
 
 /// The error of a file, or of a folder, that the system cannot write.
 pub fn unwritable(path: &Path, error: &io::Error) -> FormatError {
+    let is_of_place = is_of_place(error);
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
     if let (io::ErrorKind::NotFound, Some(folder)) = (error.kind(), folder) {
         let wrong = Diagnostic::new(format!("the folder {} does not exist", folder.display()));
@@ -112,8 +117,25 @@ pub fn unwritable(path: &Path, error: &io::Error) -> FormatError {
             wrong.hint("create it, or choose another folder"),
         );
     }
-    let problem = Problem::Unwritable { reason: io_message(error) };
+    let problem = Problem::Unwritable { reason: io_message(error), is_of_place };
     FormatError::whole(&path.display().to_string(), problem)
+}
+
+/// Whether the system refuses to write at this place, and would write at another one: the place is read-only, a file is in its way, or it is
+/// gone. All other errors are of the system, such as a full disk.
+pub fn is_of_place(error: &io::Error) -> bool {
+    use io::ErrorKind as Kind;
+    matches!(
+        error.kind(),
+        Kind::AlreadyExists
+            | Kind::DirectoryNotEmpty
+            | Kind::InvalidFilename
+            | Kind::IsADirectory
+            | Kind::NotADirectory
+            | Kind::NotFound
+            | Kind::PermissionDenied
+            | Kind::ReadOnlyFilesystem
+    )
 }
 
 fn write_and_rename(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -176,6 +198,8 @@ pub(crate) fn io_message(error: &io::Error) -> String {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         io::ErrorKind::IsADirectory => "this is a folder, not a file".to_owned(),
+        io::ErrorKind::NotADirectory => "a part of its path is a file, not a folder".to_owned(),
+        io::ErrorKind::InvalidFilename => "its name is too long, or not permitted".to_owned(),
         io::ErrorKind::StorageFull => "the disk is full".to_owned(),
         io::ErrorKind::QuotaExceeded => "the quota of the disk is used up".to_owned(),
         io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),

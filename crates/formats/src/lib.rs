@@ -138,7 +138,7 @@ pub use crosstalk::{CrosstalkFile, crosstalk_schema, write_crosstalk_csv, write_
 pub use director::{DirectorRow, read_director};
 pub use error::{FormatError, Problem};
 pub use face_read::read_face;
-pub use file::{DataFile, LARGEST_FILE, unwritable, write_file};
+pub use file::{DataFile, LARGEST_FILE, is_of_place, unwritable, write_file};
 pub use gloss::{GlossFile, gloss_schema, write_gloss};
 pub use gonio::{
     AzimuthAudit, GonioHead, Holds, SurfaceAuditFile, WaveRow, WaveSide, roads_that_hold,

@@ -1,7 +1,7 @@
 //! Drawings (SVG) as pixels: figures as PNG images, and drawings as pictures to show.
 //!
 //! Only the fonts of `papilio_imaging::text` are used, so that a drawing has the same pixels on every machine: all text is in Roboto, and
-//! characters that it lacks are omitted, of pictures with a warning.
+//! characters that it lacks are omitted, with a warning.
 //!
 //! The rasteriser is compiled with the feature `svg`, which builds of the programs have by default.
 
@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "svg")]
 use std::sync::{Arc, OnceLock};
 
+use papilio_diagnostics::Warned;
 #[cfg(feature = "svg")]
 use resvg::{
     tiny_skia::{Color, Pixmap, Transform},
@@ -52,16 +53,22 @@ const LARGEST: f32 = 16_384.0;
 pub const PNG_SCALE: f32 = 2.0;
 
 /// Rasterises a figure as PNG, with `scale` pixels per px of the SVG (2 suits both paper and screens),
-/// or fewer if the image would exceed 16384 pixels in width or height.
+/// or fewer if the image would exceed 16384 pixels in width or height. A warning names the letters that the image lacks.
 ///
 /// # Errors
 /// If `svg` is not SVG, or the image would have no pixels; without the feature `svg`, always.
 #[cfg(feature = "svg")]
-pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
-    let (tree, _) = tree_and_letters(svg)?;
+pub fn png(svg: &str, scale: f32) -> Result<Warned<Vec<u8>>, PngError> {
+    let (tree, lacks_letters) = tree_and_letters(svg)?;
     let [width, height] = [tree.size().width(), tree.size().height()];
     let scale = scale.min(LARGEST / width.max(height));
-    rendered(&tree, [width, height].map(|length| (scale * length).ceil() as u32), scale, Color::TRANSPARENT)
+    let size = [width, height].map(|length| (scale * length).ceil() as u32);
+    let value = rendered(&tree, size, scale, Color::TRANSPARENT)?;
+    let left_out = if lacks_letters { letters_left_out(svg) } else { Vec::new() };
+    let warning =
+        || format!("letters that Roboto lacks are left out: {}; the SVG file has them", listed(&left_out));
+    let warnings = (!left_out.is_empty()).then(warning).into_iter().collect();
+    Ok(Warned { value, warnings })
 }
 
 /// Returns the error that the feature `svg` is off.
@@ -69,7 +76,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, PngError> {
 /// # Errors
 /// Always.
 #[cfg(not(feature = "svg"))]
-pub fn png(_: &str, _: f32) -> Result<Vec<u8>, PngError> {
+pub fn png(_: &str, _: f32) -> Result<Warned<Vec<u8>>, PngError> {
     Err(PngError::NotBuilt)
 }
 
@@ -104,6 +111,19 @@ fn tree_and_letters(svg: &str) -> Result<(usvg::Tree, bool), usvg::Error> {
     let tree = usvg::Tree::from_str(svg, &options)?;
     drop(options);
     Ok((tree, lacks.into_inner()))
+}
+
+/// Most letters that a warning names.
+#[cfg(feature = "svg")]
+const MOST_LETTERS: usize = 20;
+
+/// Letters in words.
+#[cfg(feature = "svg")]
+fn listed(letters: &[char]) -> String {
+    let named: Vec<String> = letters.iter().take(MOST_LETTERS).map(char::to_string).collect();
+    let more = letters.len().saturating_sub(MOST_LETTERS);
+    let more = if more > 0 { format!(" and {more} others") } else { String::new() };
+    format!("{}{more}", named.join(" "))
 }
 
 /// Returns the letters of a drawing's texts that the fonts lack, each once, in their order; they are left out of the picture.
@@ -144,7 +164,7 @@ pub(crate) mod picture {
     use resvg::tiny_skia::Color;
     use resvg::usvg::{Group, Node};
 
-    use super::{letters_left_out, rendered, tree_and_letters};
+    use super::{letters_left_out, listed, rendered, tree_and_letters};
     use crate::picture::{check_size, convert_to};
 
     /// A drawing that is shorter than this is rasterised at a multiple of its size, pixels.
@@ -204,17 +224,6 @@ pub(crate) mod picture {
             warnings.push("HTML in this drawing is left out".to_owned());
         }
         Ok(Warned { value, warnings })
-    }
-
-    /// Most letters that a warning names.
-    const MOST_LETTERS: usize = 20;
-
-    /// Letters in words.
-    fn listed(letters: &[char]) -> String {
-        let named: Vec<String> = letters.iter().take(MOST_LETTERS).map(char::to_string).collect();
-        let more = letters.len().saturating_sub(MOST_LETTERS);
-        let more = if more > 0 { format!(" and {more} others") } else { String::new() };
-        format!("{}{more}", named.join(" "))
     }
 
     /// Returns the memory of the layers that a group needs at a time, bytes.

@@ -102,7 +102,7 @@ fn figure(answer: &Answer, what: &str, stop: &AtomicBool) -> Result<Exported, Fa
                 PngError::NotBuilt => Fault::new(StatusCode::NOT_IMPLEMENTED, error.to_string(), ""),
                 error => Fault::internal(&format!("the figure cannot be converted to PNG: {error}")),
             })?;
-            Ok(Exported { kind: "image/png", bytes })
+            Ok(Exported { kind: "image/png", bytes: bytes.value })
         }
         _ => Err(unknown()),
     }

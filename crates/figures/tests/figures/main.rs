@@ -396,14 +396,22 @@ fn png_of_figure_has_its_size_and_text() {
     let [width, height] = ["width", "height"]
         .map(|name| document.root_element().attribute(name).unwrap().parse::<f64>().unwrap().ceil() as u32);
     let picture = png(&svg, 1.0).unwrap();
-    assert_eq!(pixels(&picture), (width, height));
+    assert!(picture.warnings.is_empty(), "{:?}", picture.warnings);
+    assert_eq!(pixels(&picture.value), (width, height));
     assert_eq!(picture, png(&svg, 1.0).unwrap(), "the same pixels each time");
-    let doubled = pixels(&png(&svg, 2.0).unwrap());
+    let doubled = pixels(&png(&svg, 2.0).unwrap().value);
     assert!(doubled.0.abs_diff(2 * width) <= 2 && doubled.1.abs_diff(2 * height) <= 2);
     // Without its texts the image differs: letters are drawn, whatever fonts the machine has.
     let silent: String = svg.lines().filter(|line| !line.starts_with("<text")).collect();
-    assert_ne!(png(&silent, 1.0).unwrap(), picture);
-    assert!(pixels(&png(&svg, 1e6).unwrap()).0 <= 16_384);
+    assert_ne!(png(&silent, 1.0).unwrap().value, picture.value);
+    assert!(pixels(&png(&svg, 1e6).unwrap().value).0 <= 16_384);
+    // A state whose name is not in Roboto: the image is that without the letters, and the warning names them.
+    let named = svg.replacen(">white<", ">\u{767d}white\u{8272}<", 1);
+    assert_ne!(named, svg);
+    let named = png(&named, 1.0).unwrap();
+    assert_eq!(named.value, picture.value);
+    assert_eq!(named.warnings.len(), 1);
+    assert!(named.warnings[0].contains(": \u{767d} \u{8272};"), "{:?}", named.warnings);
     assert!(png("no figure", 1.0).is_err());
 }
 
