@@ -331,3 +331,119 @@ fn result_of_another_hash_is_not_replaced() {
         assert!(stderr(&looped).contains("is a link to a path that does not exist"), "{}", stderr(&looped));
     }
 }
+
+/// A name of nothing is called empty, and not the name of the folder.
+#[test]
+fn empty_name_of_a_file_is_called_empty() {
+    for (file, command, key) in [
+        ("six-ink", "image", "image.file"),
+        ("page", "image", "image.regions"),
+        ("measured-diffused", "run", "display.diffuser.file"),
+        ("measured-diffused", "run", "display.diffuser.transmission"),
+        ("front-light", "run", "lighting.front_light.spectrum"),
+        ("../surfaces/prisms", "gonio", "microgeometry.file"),
+        ("indoor", "run", "display.glass.index"),
+    ] {
+        let file = scenario(file);
+        let set = format!("{key}=\"\"");
+        let output = papilio().arg(command).arg(&file).args(["--set", &set]).output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{key}: {said}");
+        assert!(said.contains(" is empty\n") && said.contains(&format!("{key}=\"\"")), "{key}: {said}");
+    }
+    let output = papilio().arg("image").arg(scenario("six-ink")).arg("").output().unwrap();
+    assert!(stderr(&output).contains("this file cannot be read: its name is empty"), "{}", stderr(&output));
+}
+
+/// A picture on the command line is looked for in the current folder alone, and named as it was written.
+#[test]
+fn missing_picture_is_named_as_it_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    fs::create_dir(here.join("scenarios")).unwrap();
+    fs::copy(scenario("six-ink"), here.join("scenarios/six-ink.toml")).unwrap();
+    fs::create_dir(here.join("scenarios/data")).unwrap();
+    let inks = "data/synthetic-inks-6.csv";
+    fs::copy(scenario("data").with_file_name(inks), here.join("scenarios").join(inks)).unwrap();
+    let page = scenario("data").with_extension("").join("page.png");
+    let image = |picture: &str| {
+        let pixels = ["--set", "display.matrix.pixels=[20,30]", "--out", "out"];
+        papilio()
+            .current_dir(here)
+            .args(["image", "scenarios/six-ink.toml", picture])
+            .args(pixels)
+            .output()
+            .unwrap()
+    };
+    let said = stderr(&image("missing.jpg"));
+    assert!(said.contains("--> missing.jpg\n") && !said.contains("scenarios/missing.jpg"), "{said}");
+    // One beside the scenario is proposed, and not taken.
+    fs::copy(&page, here.join("scenarios/photo.png")).unwrap();
+    let beside = image("photo.png");
+    let said = stderr(&beside);
+    assert_eq!(beside.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("--> photo.png\n") && said.contains("did you mean `scenarios/photo.png`?"),
+        "{said}"
+    );
+    // A name without an ending is a path, too.
+    fs::copy(&page, here.join("photo")).unwrap();
+    let plain = image("photo");
+    assert!(plain.status.success(), "{}", stderr(&plain));
+}
+
+/// Settings of the computation are no quantities: a fit, a search and a tolerance analysis refuse them, a sweep does not.
+#[test]
+fn settings_of_the_computation_are_no_variables() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let indoor = fs::read_to_string(scenario("indoor")).unwrap();
+    let measured = scenario("data").with_extension("").join("synthetic-film.csv");
+    let studies = [
+        ("fit", "[[fit.variables]]\nkey = \"{key}\"\nbounds = [1, 9]\n", "meter.scale"),
+        (
+            "optimize",
+            "[[optimize.objectives]]\nmetric = \"white.Y\"\naim = \"maximise\"\n[[optimize.variables]]\nkey = \"{key}\"\nbounds = [1, 9]\n",
+            "[display]",
+        ),
+        ("tolerance", "[[tolerance.keys]]\nkey = \"{key}\"\nuniform = { from = 1, to = 9 }\n", "[display]"),
+    ];
+    for (command, table, expected) in studies {
+        for key in ["solver.seed", "solver.paths", "spectrum.step_nm", "measure.noise", "image.seed"] {
+            let file = at("s.toml");
+            fs::write(&file, format!("{indoor}\n{}", table.replace("{key}", key))).unwrap();
+            let mut program = papilio();
+            program.args([command, &file]);
+            if command == "fit" {
+                program.arg(&measured);
+            }
+            let output = program.args(["--out", &at("out")]).output().unwrap();
+            let said = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{command} {key}: {said}");
+            let words = format!("`{key}` is a setting, and no quantity");
+            assert!(said.contains(&words) && said.contains(expected), "{command} {key}: {said}");
+        }
+    }
+    let swept =
+        ["--axis", "solver.seed=1,2", "--metrics", "white.Y", "--set", "spectrum.step_nm=50", "--json"];
+    let output =
+        papilio().arg("sweep").arg(scenario("indoor")).args(swept).args(["--out", &at("o")]).output();
+    assert!(output.unwrap().status.success());
+}
+
+/// A measurement at other angles: the message has them as the key that computes them.
+#[test]
+fn angles_of_a_measurement_are_proposed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    fs::write(at("m.csv"), "state,theta_deg,X,Y,Z\nwhite,45,1,1,1\nblack,20,1,1,1\nwhite,20,1,1,1\n")
+        .unwrap();
+    let compare = |more: &[&str]| {
+        let mut program = papilio();
+        program.arg("compare").arg(scenario("indoor")).args([&at("m.csv"), "--out", &at("out")]);
+        program.args(["--set", "spectrum.step_nm=50"]).args(more).output().unwrap()
+    };
+    let said = stderr(&compare(&[]));
+    assert!(said.contains("those of the measurement are viewer.theta_deg = [20, 45]"), "{said}");
+    assert!(compare(&["--set", "viewer.theta_deg = [20, 45]"]).status.success());
+}

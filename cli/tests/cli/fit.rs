@@ -202,7 +202,8 @@ fn wrong_fits_are_refused_at_their_places() {
             "key = \"display.pixel.film.0.thickness_nm\"\nbounds = [150, 300]\nprior = { mean = 200, sigma = 1e-9 }",
             "the prior holds the value",
         ),
-        ("key = \"spectrum.range_nm\"\nbounds = [150, 300]", "is a list in this scenario"),
+        ("key = \"display.pixel.film\"\nbounds = [150, 300]", "is a list in this scenario"),
+        ("key = \"spectrum.range_nm\"\nbounds = [150, 300]", "is a setting, and no quantity"),
         (
             "key = \"display.pixel.film.2.thickness_nm\"\nbounds = [150, 300]",
             "`display.pixel.film` has no item 2: its items are 0 to 1",

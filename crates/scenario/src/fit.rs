@@ -13,7 +13,7 @@ use crate::optimise::{Key, SearchRange, SearchVariable};
 use crate::path::{KeyPath, index};
 use crate::read::{Read, Spanned};
 use crate::tree::{Node, Value};
-use crate::varied::{ParameterisedScenario, ParsedScenario, read_of_scenarios};
+use crate::varied::{ParameterisedScenario, ParsedScenario, no_quantity, read_of_scenarios};
 
 /// Variables of the measurement, with their ranges and the values of a perfect meter.
 const OF_METER: [(&str, FitTarget, [f64; 2], f64); 2] = [
@@ -210,12 +210,20 @@ fn check_prior(read: &describe::FitVariable, errors: &mut Errors) {
     }
 }
 
-/// Fails for a list, which would become one number, and for an item that the scenario does not have: a fit would add it.
+/// What a fit can vary.
+const FITTED: &str = "a number of what was measured, such as those of [display], [lighting] and [viewer], or \
+                      meter.wavelength_offset_nm or meter.scale";
+
+/// Fails for a setting, for a list, which would become one number, and for an item that the scenario does not have: a fit would add it.
 fn check_paths(read: &describe::FitVariable, (base, root): (&ParsedScenario, &Node), errors: &mut Errors) {
     let single = read.key.iter().map(|path| (path, read.key.origin));
     let several = read.keys.iter().flatten().map(|path| (&path.value, path.origin));
     let other = read.compensated_by.iter().map(|path| (path, read.compensated_by.origin));
     for (text, origin) in single.chain(several).chain(other) {
+        if let Some(wrong) = no_quantity(text, FITTED) {
+            errors.push(origin, wrong);
+            continue;
+        }
         let path = KeyPath::new(text);
         if path.get(root).is_some_and(|node| matches!(node.value, Value::Array(_))) {
             let wrong = Diagnostic::new(format!("`{text}` is a list in this scenario"))

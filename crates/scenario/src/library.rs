@@ -70,6 +70,11 @@ impl From<&PathBuf> for Library {
 impl Library {
     /// Reads a file of at most `limit` bytes.
     pub(crate) fn open(&self, name: &str, limit: u64) -> Result<MemoryFile, Missing> {
+        // With the folder, it would be the name of the folder.
+        if name.trim().is_empty() {
+            let wrong = Diagnostic::new("the name of the file is empty").expected("the path of a file");
+            return Err(Missing::Unknown(wrong.hint("remove the key, or give it the name of a file")));
+        }
         match self {
             Self::Both { files, .. } if files.contains_key(name) => kept_within(&files[name], name, limit),
             Self::Folder(folder) | Self::Both { folder, .. } => {

@@ -9,7 +9,8 @@ use papilio_display::scene::Metric;
 use papilio_formats::FormatError;
 use papilio_goniometry::GoniometryError;
 use papilio_spectra::{
-    SpectraError, illuminant_names, illuminants_called, material_names, materials_called, named_daylight_k,
+    SpectraError, illuminant_names, illuminants_called, liquid_crystal_names, material_names,
+    materials_called, named_daylight_k,
 };
 
 use crate::error::Errors;
@@ -197,9 +198,17 @@ pub(crate) fn unknown_choice(found: &str, choices: &[&str]) -> Diagnostic {
     with_nearest(wrong, found, choices)
 }
 
+/// A text that is neither the name of a `what` nor a file.
+fn no_name_or_file(what: &str, name: &str) -> Diagnostic {
+    Diagnostic::new(match name.trim() {
+        "" => format!("the name of the {what} is empty"),
+        _ => format!("there is no {what} named `{name}`, and no such file"),
+    })
+}
+
 /// A material that is neither a name nor a file.
 pub(crate) fn unknown_material(name: &str) -> Diagnostic {
-    let wrong = Diagnostic::new(format!("there is no material named `{name}`, and no such file"));
+    let wrong = no_name_or_file("material", name);
     match &materials_called(name)[..] {
         [] => with_nearest(wrong.hint(material_hint(name)), name, material_names()),
         [first, ..] => wrong.hint(material_hint(name)).accepted(format_args!("\"{first}\"")),
@@ -215,10 +224,21 @@ fn material_hint(name: &str) -> String {
     let names = || material_names().iter().copied();
     let list = || {
         let names = material_names();
-        format!("the {} names are listed by `papilio materials`: {}, ...", names.len(), names[..9].join(", "))
+        let all = names.len() + liquid_crystal_names().count();
+        format!("the {all} names are listed by `papilio materials`: {}, ...", names[..9].join(", "))
+    };
+    // Listed by the same command.
+    let is_crystal = |near: &&str| liquid_crystal_names().any(|known| known == *near);
+    let crystal = nearest(name, names().chain(liquid_crystal_names())).filter(is_crystal);
+    let near =
+        || did_you_mean(name, names()).map(|near| format!("{near} `papilio materials` lists all names"));
+    let of_cell = |known| {
+        format!(
+            "`{known}` is a liquid crystal: it is the `liquid_crystal` of a cell, [display.pixel] with model = \"liquid-crystal\""
+        )
     };
     match &materials_called(name)[..] {
-        [] => did_you_mean(name, names()).unwrap_or_else(list),
+        [] => crystal.map(of_cell).or_else(near).unwrap_or_else(list),
         called if name.to_lowercase().replace([' ', '-'], "") == "mocr" => {
             format!(
                 "no table of this alloy is published; the nearest materials are {}; or give a file with n and k",
@@ -231,7 +251,7 @@ fn material_hint(name: &str) -> String {
 
 /// A light that is neither a name nor a file.
 pub(crate) fn unknown_light(name: &str) -> Diagnostic {
-    let wrong = Diagnostic::new(format!("there is no light named `{name}`, and no such file"));
+    let wrong = no_name_or_file("light", name);
     with_nearest(wrong.hint(light_hint(name)), name, illuminant_names())
 }
 

@@ -12,7 +12,7 @@ use crate::origin::Origin;
 use crate::path::KeyPath;
 use crate::read::Spanned;
 use crate::tolerance::ScatteredKey;
-use crate::varied::ParsedScenario;
+use crate::varied::{ParsedScenario, QUANTITY, no_quantity};
 
 const KINDS: &str = "`normal`, `lognormal`, `uniform`, `triangular` and `choices`";
 
@@ -38,6 +38,12 @@ pub(crate) fn scattered(
             return None;
         }
     };
+    let settings = paths.iter().filter_map(|(path, origin)| Some((*origin, no_quantity(path, QUANTITY)?)));
+    let settings: Vec<_> = settings.collect();
+    if !settings.is_empty() {
+        settings.into_iter().for_each(|(origin, wrong)| errors.push(origin, wrong));
+        return None;
+    }
     let values: Vec<Option<f64>> = paths.iter().map(|(path, _)| number_at(filled, path)).collect();
     let absent = paths.iter().zip(&values).filter(|(_, values)| values.is_none());
     let wrong = absent.filter_map(|((path, origin), _)| Some((*origin, base.wrong_path(path, *origin)?)));

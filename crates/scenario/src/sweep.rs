@@ -50,9 +50,10 @@ impl Sweep {
                 let wrong =
                     Diagnostic::new("there is nothing to sweep: the scenario has no `[[sweep.axes]]`")
                         .expected("`[[sweep.axes]]`, a table of keys with a list of values each")
-                        .hint("[[sweep.axes]], and below it: display.diffuser.haze = [0.5, 0.7]")
+                        .hint("write [[sweep.axes]], and below it display.diffuser.haze = [0.5, 0.7]")
                         .remedy(Remedy::OnCommandLine(
-                            "or --axis display.diffuser.haze=0.5:0.7:0.1".to_owned(),
+                            "papilio sweep FILE --axis display.diffuser.haze=0.5:0.7:0.1 needs none"
+                                .to_owned(),
                         ));
                 errors.push(node.map_or(assembled.origin, |node| node.origin), wrong);
                 None

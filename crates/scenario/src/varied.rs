@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use papilio_diagnostics::Place;
+use papilio_diagnostics::{Diagnostic, Place};
 use papilio_formats::DataFile;
 use serde_json::Value as Json;
 
@@ -19,6 +19,31 @@ use crate::tree::{Entry, Node, Value};
 
 /// Tables of studies, which are not part of the scenario itself.
 pub(crate) const STUDY_TABLES: [&str; 4] = ["sweep", "optimize", "tolerance", "fit"];
+
+/// Tables of how a scenario is computed, and of the virtual instrument: no quantities of what is shown.
+const SETTINGS: [&str; 3] = ["measure", "solver", "spectrum"];
+
+/// The mistake in a path that a study other than a sweep cannot vary; `expected` is what it can vary. A search or a fit would follow the
+/// errors of the computation, and production does not change its settings.
+pub(crate) fn no_quantity(path: &str, expected: &str) -> Option<Diagnostic> {
+    let path = KeyPath::new(path);
+    if STUDY_TABLES.contains(&path.first()) {
+        let wrong = "keys of `[sweep]`, `[optimize]`, `[tolerance]` and `[fit]` cannot be variables";
+        return Some(Diagnostic::new(wrong).expected(expected));
+    }
+    let is_setting = SETTINGS.contains(&path.first()) || path.split_last().1 == "seed";
+    is_setting.then(|| {
+        let wrong = format!(
+            "`{}` is a setting, and no quantity of the display, the light or the viewer",
+            path.text()
+        );
+        Diagnostic::new(wrong).expected(expected).hint("a sweep varies any key")
+    })
+}
+
+/// What [`no_quantity`] expects of a search or of a tolerance analysis.
+pub(crate) const QUANTITY: &str =
+    "a key of what is shown, such as those of [display], [lighting] and [viewer]";
 
 /// A parsed scenario, and the library of its files.
 #[derive(Debug, Clone)]

@@ -17,6 +17,7 @@ use crate::path::{KeyPath, below};
 use crate::range::Range as NumberRange;
 use crate::read::{Read, Spanned};
 use crate::tree::{Entry, Node, Value};
+use crate::varied::STUDY_TABLES;
 
 table! {
     /// Keys that `papilio sweep` varies. Every combination of the axes is computed; the last axis varies fastest.
@@ -146,8 +147,9 @@ fn read_values(above: &str, entry: &Entry, swept: &mut Vec<Swept>, errors: &mut 
         }
     };
     let path = KeyPath::new(&path);
-    if path.first() == "sweep" {
-        let wrong = Diagnostic::new("keys of `[sweep]` cannot be swept");
+    // They change no result.
+    if STUDY_TABLES.contains(&path.first()) {
+        let wrong = Diagnostic::new(format!("keys of `[{}]` cannot be swept", path.first()));
         errors.push(origin, wrong.expected("a key of the display, the light, the viewer or the solver"));
         return None;
     }

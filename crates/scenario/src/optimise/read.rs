@@ -16,7 +16,7 @@ use crate::read::{Read, Spanned};
 use crate::scenario::Scenario;
 use crate::set::Change;
 use crate::tree::Node;
-use crate::varied::{ParameterisedScenario, ParsedScenario, STUDY_TABLES, VariedKey};
+use crate::varied::{ParameterisedScenario, ParsedScenario, QUANTITY, VariedKey, no_quantity};
 
 /// Reads the `[optimize]` of a scenario.
 pub(super) fn search(base: ParsedScenario) -> Result<Optimisation, ScenarioErrors> {
@@ -189,9 +189,8 @@ impl Reader {
             .map(|(path, origin)| (path, *origin))
             .chain(spec.compensated_by.iter().map(|path| (path, spec.compensated_by.origin)))
         {
-            if STUDY_TABLES.contains(&KeyPath::new(path).first()) {
-                let wrong = "keys of `[sweep]`, `[optimize]`, `[tolerance]` and `[fit]` cannot be variables";
-                self.errors.push(origin, Diagnostic::new(wrong));
+            if let Some(wrong) = no_quantity(path, QUANTITY) {
+                self.errors.push(origin, wrong);
                 return None;
             }
         }

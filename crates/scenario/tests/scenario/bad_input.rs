@@ -207,7 +207,7 @@ const WRITTEN_OTHERWISE: &[Case] = &[
         (22, 8),
         &["has no sub-pixels", "a fraction of the area for each"],
     ),
-    ("\"D65\"", "\"\"", (31, 12), &["no light named ``", "names are listed by `papilio illuminants`"]),
+    ("\"D65\"", "\"\"", (31, 12), &["the name of the light is empty", "names are listed by `papilio illuminants`"]),
     (
         "[lighting]",
         "[display.pixel.states]\nx = { gap_nm = 100 }\n[lighting]",
@@ -565,7 +565,9 @@ fn mistakes_in_files_state_the_file_and_the_key_that_names_it() {
     assert_eq!(shown(front, "reflectance = \"binary.csv\"").0, (2, 5));
     // Latin-1 is read.
     resolve(&changed(&[(front, "reflectance = \"latin1.csv\"")]), folder.path(), &[]).unwrap();
-    assert!(shown(front, "reflectance = \"\"").1.contains("it is a folder"));
+    assert!(shown(front, "reflectance = \".\"").1.contains("it is a folder"));
+    let (place, text) = shown(front, "reflectance = \"\"");
+    assert!(place == (8, 15) && text.contains("the name of the file is empty"), "{text}");
 }
 
 #[test]

@@ -154,6 +154,11 @@ fn names_of_lights_and_materials_are_understood_or_answered() {
         ),
         ("display.pixel.substrate=sio2", "did you mean `SiO2`?"),
         ("display.pixel.substrate=kryptonite", "listed by `papilio materials`"),
+        ("display.pixel.substrate=SiO3", "did you mean `SiO2` or `SiO`? `papilio materials` lists all names"),
+        (
+            "display.pixel.substrate=MLC6608",
+            "`MLC-6608` is a liquid crystal: it is the `liquid_crystal` of a cell",
+        ),
     ] {
         let error = good(set).err().unwrap_or_else(|| panic!("{set}")).to_string();
         assert!(error.contains(hint), "{set}: {error}");
