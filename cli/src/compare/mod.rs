@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<(), Failure> {
             [] => "docs/metric-names.md says what each metric needs; directions must agree to within 1 deg",
             _ => "the names of states must equal those of the result, and angles must agree to within 1 deg",
         };
-        let help = suggestion.clone().unwrap_or_else(|| usual.to_owned());
+        let help = suggestion.clone().unwrap_or_else(|| format!("{usual}{}", angles_of(&measured.states)));
         let (result, measured) = (result.display(), names_of(&arguments.measured));
         Failure::Input(format!("{result} and {measured}: {error}\n  = help: {help}"))
     })?;
@@ -88,6 +88,23 @@ pub(crate) fn measurement(files: &[PathBuf]) -> Result<(Measurement, Vec<String>
         all.append(read.value);
     }
     Ok((all, notes))
+}
+
+/// Most measured angles that a message lists.
+const MOST_ANGLES: usize = 12;
+
+/// The angles of measured states as the key of a scenario; empty if there are none, or too many to list.
+fn angles_of(measured: &[Measured]) -> String {
+    let mut all: Vec<f64> = measured.iter().filter_map(|one| one.theta_deg).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    match all.len() {
+        1..=MOST_ANGLES => {
+            let all: Vec<String> = all.iter().map(f64::to_string).collect();
+            format!("; those of the measurement are viewer.theta_deg = [{}]", all.join(", "))
+        }
+        _ => String::new(),
+    }
 }
 
 /// Paths with commas between them.

@@ -87,7 +87,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         write_json(&mut stdout, &found)?;
     } else {
-        stdout.write_all(report::tolerance_report(&title, &production, &found).as_bytes())?;
+        stdout
+            .write_all(report::tolerance_report(&title, &production, &tolerance.keys, &found).as_bytes())?;
     }
     stdout.flush()?;
     output::print_written(&folder, &names);

@@ -1,8 +1,9 @@
 //! Report of a tolerance analysis on the terminal.
 
+use papilio_design::output::tolerance_axis;
 use papilio_design::tolerance::{Estimate, Indices, MetricReport, PERCENTILES, Production, Report};
 use papilio_formats::sweep_value;
-use papilio_scenario::{label, variable_label};
+use papilio_scenario::{ScatteredKey, label, variable_label};
 
 use crate::numbers::has_errors;
 use crate::{numbers, report};
@@ -11,7 +12,12 @@ use crate::{numbers, report};
 const MOST_WORST: usize = 5;
 
 /// Yield, distributions, sensitivities and worst displays.
-pub(super) fn tolerance_report(title: &str, production: &Production, found: &Report) -> String {
+pub(super) fn tolerance_report(
+    title: &str,
+    production: &Production,
+    keys: &[ScatteredKey],
+    found: &Report,
+) -> String {
     let mut text = format!("{title}\n{} displays", found.samples);
     if found.sensitivity_samples > 0 {
         text.push_str(&format!(", and {} more for sensitivities", production.displays() - found.samples));
@@ -37,7 +43,7 @@ pub(super) fn tolerance_report(title: &str, production: &Production, found: &Rep
         text.push_str(
             "\ndisplays with the largest violation of a limit, in standard deviations of the metric\n",
         );
-        text.push_str(&report::table(&worst(production, found)));
+        text.push_str(&report::table(&worst(keys, found)));
     }
     text
 }
@@ -140,9 +146,8 @@ fn rounded_indices(one: &Indices) -> [String; 2] {
     })
 }
 
-fn worst(production: &Production, found: &Report) -> Vec<Vec<String>> {
-    let names =
-        production.study().variables.iter().map(|variable| variable_label(&variable.name).to_string());
+fn worst(keys: &[ScatteredKey], found: &Report) -> Vec<Vec<String>> {
+    let names = keys.iter().map(tolerance_axis);
     let titles = ["sample", "violates", "by"].map(str::to_owned).into_iter();
     let mut rows = report::headings(&titles.chain(names).collect::<Vec<_>>());
     for one in found.worst.iter().take(MOST_WORST) {

@@ -18,6 +18,8 @@ pub fn table(rows: &[Vec<String>]) -> String {
         for (cell, width) in row.iter().zip(&widths).skip(1) {
             let _ = write!(text, "  {cell:>width$}");
         }
+        // Headings of several lines have empty cells.
+        text.truncate(text.trim_end_matches(' ').len());
         text.push('\n');
     }
     text

@@ -36,4 +36,4 @@ pub use fit::{fit_figures, fit_table, fitted_edits, fitted_text};
 pub use search_figures::search_figures;
 pub use search_report::{DesignReport, OwnDesign, SearchReport, is_at_end, quantities};
 pub use search_table::search_table;
-pub use tolerance::{tolerance_figures, tolerance_tables};
+pub use tolerance::{tolerance_axis, tolerance_figures, tolerance_tables};

@@ -140,14 +140,14 @@ pub fn tolerance_figures(
         let points: Vec<([f64; 2], bool)> = points
             .map(|(row, values)| ([number(row, x), number(row, y)], is_good(tolerance, values)))
             .collect();
-        let [x, y] = [x, y].map(|key| axis(&tolerance.keys[key]));
+        let [x, y] = [x, y].map(|key| tolerance_axis(&tolerance.keys[key]));
         drawn.push(("tolerance_keys".to_owned(), pass_fail_scatter([&x, &y], &points, title)));
     }
     drawn
 }
 
-/// Axis label of a key. If it has several paths, the values of the first one are plotted.
-fn axis(key: &ScatteredKey) -> String {
+/// Label of the values of a key, with their unit. If it has several paths, they are those of the first one.
+pub fn tolerance_axis(key: &ScatteredKey) -> String {
     let path = key.paths.first().map_or("", |(path, ..)| path.as_str());
     let own = label(path);
     let quantity = match key.paths.len() {
