@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use papilio_figures::HAS_PNG;
 use papilio_formats::write_rgb_png;
 
-use crate::common::{names, papilio, place, stderr, stdout};
+use crate::common::{COARSE, names, papilio, place, scenario, stderr, stdout};
 
 /// The names of two states differ in a character that the name of a file cannot have.
 const SCENARIO: &str = r#"
@@ -104,4 +105,23 @@ fn states_with_characters_of_paths_have_a_file_each() {
     fs::write(&picture, bytes).unwrap();
     let found = written(&out("image"), &["image", &file, picture.to_str().unwrap(), "--rooms", "D65"]);
     has(&found, &["image.json", "rooms.png", "seen-D65.png", "seen.png", "states.png"]);
+}
+
+/// Letters that the font of PNG figures lacks: all files without them are named in one warning, and SVG figures have them.
+#[test]
+fn letters_that_the_font_lacks_are_named_once() {
+    let text = fs::read_to_string(scenario("indoor")).unwrap();
+    let state = "[display.pixel.states]\n\"\u{767d}\" = { red = 1.0 }\n[lighting]";
+    let (_folder, file, out) = place(&text.replacen("[lighting]", state, 1));
+    let png: &[&str] = if HAS_PNG { &["--png"] } else { &[] };
+    let output = papilio(&[&["run", &file, "--out", &out], &COARSE[..], png].concat());
+    let said = stderr(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(fs::read_to_string(Path::new(&out).join("patches.svg")).unwrap().contains('\u{767d}'));
+    let warnings: Vec<&str> = said.lines().filter(|line| line.contains("Roboto")).collect();
+    assert_eq!(warnings.len(), usize::from(HAS_PNG), "{said}");
+    for warning in warnings {
+        assert!(warning.starts_with("warning: ") && warning.contains(": \u{767d};"), "{warning}");
+        assert!(["patches.png", "spectra.png"].iter().all(|name| warning.contains(name)), "{warning}");
+    }
 }

@@ -116,9 +116,13 @@ fn terminal_shows_yield_and_reasons() {
         "yield ",
         "fails alone",
         "first-order index / total-order index",
+        "largest violation",
+        // The unit of a key that has a name of its own.
+        "  Absorber (nm)  ",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
+    assert!(text.lines().all(|line| !line.ends_with(' ')), "{text}");
     let again = papilio(&["tolerance", &file, "--out", &out]);
     assert!(stderr(&again).contains("96 samples, 0 computed"), "{}", stderr(&again));
     assert_eq!(stdout(&again), text);

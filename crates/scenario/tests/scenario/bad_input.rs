@@ -207,7 +207,12 @@ const WRITTEN_OTHERWISE: &[Case] = &[
         (22, 8),
         &["has no sub-pixels", "a fraction of the area for each"],
     ),
-    ("\"D65\"", "\"\"", (31, 12), &["the name of the light is empty", "names are listed by `papilio illuminants`"]),
+    (
+        "\"D65\"",
+        "\"\"",
+        (31, 12),
+        &["the name of the light is empty", "names are listed by `papilio illuminants`"],
+    ),
     (
         "[lighting]",
         "[display.pixel.states]\nx = { gap_nm = 100 }\n[lighting]",
