@@ -86,6 +86,8 @@ pub struct Changes {
     pub level: Option<f64>,
     /// True if the loss of a back surface was removed.
     pub laminated: bool,
+    /// Index below a smooth face, if light falls towards the horizon as through one: the lobe is interpolated below it.
+    pub face: Option<f64>,
     /// Smallest distance from the specular direction, degrees, at which measured cells end before the
     /// horizon.
     pub measured_to_deg: Option<f64>,
@@ -214,6 +216,7 @@ pub fn kernel(
         to_tis: preparation.to_tis,
         level: preparation.level,
         laminated: preparation.lamination.is_some(),
+        face: face.map(|face| face.index),
         measured_to_deg: least_measured_deg(&shape),
         beyond: beyond(&shape, &grid, &cells, (fill, extent)),
         held_beyond: extrapolate.and_then(|_| held_beyond(&scatter, &shape)),
@@ -276,6 +279,7 @@ fn of_tree(
         to_tis: false,
         level: preparation.level,
         laminated: preparation.lamination.is_some(),
+        face: None,
         measured_to_deg: None,
         beyond: Vec::new(),
         held_beyond: None,

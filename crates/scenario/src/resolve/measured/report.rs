@@ -92,6 +92,12 @@ impl Resolver<'_> {
                 "{path}: {way}: {percent:.1} % of the cells were dark; tails are extrapolated through them"
             ));
         }
+        if let Some(index) = changes.face {
+            self.notes.push(format!(
+                "{path}: {way}: light falls towards the horizon as through a smooth face of index {index}: between the measured directions it \
+                 is interpolated below such a face"
+            ));
+        }
         if let Some(width) = changes.rings_deg {
             self.notes.push(format!(
                 "{path}: {way}: the values are constant over cells: light of a cell is spread over the rings of {width} deg about the normal \
