@@ -134,7 +134,7 @@ impl HeightMap {
         let (columns, rows) = (self.columns as f64, self.rows() as f64);
         let mut along = [0.0; 2];
         for (at, height) in self.heights_um.iter().enumerate() {
-            let [x, y] = self.from_middle(at);
+            let [x, y] = self.about_middle(at);
             along[0] += x * height;
             along[1] += y * height;
         }
@@ -184,8 +184,8 @@ impl HeightMap {
         if at_seam.abs() > CLEAR * most.max(ROUNDING * highest) { -at_seam } else { 0.0 }
     }
 
-    /// Column and row of a height from the middle of the map.
-    fn from_middle(&self, at: usize) -> [f64; 2] {
+    /// Column and row of a height about the middle of the map.
+    fn about_middle(&self, at: usize) -> [f64; 2] {
         let middle = [self.columns, self.rows()].map(|count| 0.5 * (count as f64 - 1.0));
         [(at % self.columns) as f64 - middle[0], (at / self.columns) as f64 - middle[1]]
     }
@@ -194,7 +194,7 @@ impl HeightMap {
     fn without_plane(&self, slopes: [f64; 2]) -> Self {
         let mean = self.heights_um.iter().sum::<f64>() / self.heights_um.len() as f64;
         let level = |(at, height): (usize, &f64)| {
-            let [x, y] = self.from_middle(at);
+            let [x, y] = self.about_middle(at);
             height - mean - slopes[0] * x - slopes[1] * y
         };
         Self { heights_um: self.heights_um.iter().enumerate().map(level).collect(), ..self.clone() }
