@@ -567,7 +567,7 @@ fn diffusers_that_keep_polarisation_turn_it_with_the_ray() {
 /// through polarisers at any angle. Several planes at once are refused.
 #[test]
 fn narrow_lobes_that_keep_polarisation_show_the_sky_as_a_mirror() {
-    let lobe = "[display.diffuser]\nmodel = \"k-correlation\"\nwidth = 0.02\ntransmittance = 1\ndepolarisation = 0\n";
+    let lobe = "[display.diffuser]\nmodel = \"ward\"\nalpha = 0.02\ntransmittance = 1\ndepolarisation = 0\n";
     for theta_deg in [0.0, 35.0] {
         let own = view(theta_deg, 0.0);
         for polariser in ["s", "p", "30"] {
@@ -580,7 +580,7 @@ fn narrow_lobes_that_keep_polarisation_show_the_sky_as_a_mirror() {
             };
             let mirror = ratio(&[], &[]);
             assert!((mirror - 1.0).abs() > 0.02, "{mirror}");
-            near(&own, ratio(&[lobe], &[]), mirror, 1e-2);
+            near(&own, ratio(&[lobe], &[]), mirror, 5e-3);
             near(&own, ratio(&[lobe], &[PATHS]), mirror, 2e-2);
         }
     }
