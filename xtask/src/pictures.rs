@@ -5,7 +5,7 @@ use crate::shell::{self, Outcome, cargo};
 /// A command of papilio, its file in scenarios/, the figures to copy, and the prefix of their names.
 type Picture = (&'static [&'static str], &'static str, &'static [&'static str], &'static str);
 
-const PICTURES: [Picture; 32] = [
+const PICTURES: [Picture; 31] = [
     (
         &["run"],
         "indoor.toml",
@@ -43,17 +43,6 @@ const PICTURES: [Picture; 32] = [
     (&["mtf"], "double-image.toml", &["kernel-white.svg"], "double-image-"),
     (&["mtf"], "laminated-text.toml", &["edges.svg"], "laminated-text-"),
     (&["crosstalk"], "matrix.toml", &["crosstalk.svg"], ""),
-    (
-        &[
-            "crosstalk",
-            "--set=display.glass.thickness_mm=0.5",
-            "--set=viewer.theta_deg=30",
-            "--set=display.matrix={ pitch_um = 84.6, filter = { height_um = 30, transmittance = { red = 0.6, green = 0.6, blue = 0.6 } } }",
-        ],
-        "epaper.toml",
-        &["crosstalk.svg"],
-        "filter-",
-    ),
     (&["sweep"], "printed-filter.toml", &["sweep_patch_gamut_percent_srgb.svg"], "printed-filter-"),
     (&["sweep"], "lcd-sunglasses.toml", &["sweep_white.Y.svg"], "lcd-sunglasses-"),
     (&["gonio"], "../surfaces/prisms.toml", &["azimuths.svg"], "prisms-"),
