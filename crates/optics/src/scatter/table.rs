@@ -133,9 +133,9 @@ impl Table {
 
     /// Transmittances of the face for both directions, if there is one.
     #[inline]
-    fn passed(&self, from: f64, to: f64) -> f64 {
+    fn passed(&self, from: Beta, to: Beta) -> f64 {
         let Some(index) = self.face else { return 1.0 };
-        let [from, to] = [from, to].map(|length| 1.0 - fresnel_reflectance(1.0, index, length));
+        let [from, to] = [from, to].map(|beta| 1.0 - fresnel_reflectance(1.0, index, beta.length()));
         from * to
     }
 
@@ -178,7 +178,7 @@ impl Table {
     /// Returns the kernel without regard to the disc of air and to its ends, in either direction.
     #[inline]
     fn held(&self, from: Beta, to: Beta, reversed: bool) -> f64 {
-        self.inner(from, to, reversed) * self.passed(from.length(), to.length())
+        self.inner(from, to, reversed) * self.passed(from, to)
     }
 
     /// Returns the kernel below its face.
@@ -206,7 +206,7 @@ impl Table {
             let axes = self.working(from);
             Proposal::new(axes.each_ref().map(|axis| &axis[..]), to, |from, to| {
                 // The light of an incidence is sampled in any case, however little of it there is.
-                self.inner(from, to, reversed) * self.passed(0.0, to.length()).max(LEAST_SAMPLED)
+                self.inner(from, to, reversed) * self.passed(Beta::default(), to).max(LEAST_SAMPLED)
             })
         })
     }
