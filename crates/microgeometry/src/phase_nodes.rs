@@ -6,8 +6,8 @@
 //! **Other surfaces.** The power of an order oscillates with q, as J_m(q a)² of a grating does. It is a sum of
 //! exp(i q (h₁ - h₂)) over pairs of heights, none of which differ by more than the range H of the heights. Over
 //! a range of q of the half width W, the Chebyshev coefficients of these terms are Bessel functions J_k(W H),
-//! which vanish for k somewhat above W H: a polynomial through that many Chebyshev points is exact up to
-//! rounding. With fewer points, or with cubics, it would be wrong by as much as the power itself.
+//! which vanish for k somewhat above W H: a polynomial through that many Chebyshev points is exact within
+//! 1e-6. With fewer points, or with cubics, it would be wrong by as much as the power itself.
 
 use std::f64::consts::PI;
 
