@@ -34,18 +34,15 @@ use crate::light::polarised::light_of;
 use crate::mueller::WholeView;
 use crate::{Cone, Field, Medium, ReflectanceFactor, Source, Vibration};
 
-/// Accuracy of mirror images in a top, and the angle over which interfaces and pixels change, radians.
+/// Accuracy of mirror images in a top and of means over its rays, and the angle over which interfaces and pixels change, radians.
 const FINE: (f64, Nodes) = (12.0, Nodes { rings: 0, across: 0.0 });
 const SMOOTH: f64 = 0.3;
-
-/// Accuracy of the mean share that a top transmits of the rays of a lamp or view.
-const DIGITS: f64 = 8.0;
 
 /// Number of steps of cos(theta) at which the top is tabulated for light from many directions.
 const STEPS: usize = 2048;
 
 /// Largest difference of (T_s - T_p)/(T_s + T_p) from the combination of those of other wavelengths.
-const LARGEST_REST: f64 = 1e-5;
+const LARGEST_REST: f64 = 1e-6;
 
 /// Flat layers above the first scatterer, and what a polariser before the eye passes of s and of p.
 #[derive(Debug, Clone)]
@@ -121,7 +118,7 @@ fn rays_of(lamp: &Source, vibration: &Vibration) -> Option<Vec<Ray>> {
     let cosine = |beta: Beta| (1.0 - beta.squared()).max(0.0).sqrt();
     Some(match lamp {
         Source::Disc(cone) => {
-            let directions = cone.directions(0.0, DIGITS).into_iter();
+            let directions = cone.directions(0.0, FINE.0).into_iter();
             directions.map(|(beta, weight)| ray(-beta, weight * cosine(beta))).collect()
         }
         _ => vec![ray(centre, 1.0)],
@@ -374,7 +371,7 @@ impl PolarisedView {
             let [p, s, ..] = self.seen.meter(Some(view), beta).map(|passed| 0.5 * passed);
             Ray { beta_squared: beta.squared(), weight, shares: [s, p] }
         };
-        let rays: Vec<Ray> = view.directions(0.0, DIGITS).into_iter().map(ray).collect();
+        let rays: Vec<Ray> = view.directions(0.0, FINE.0).into_iter().map(ray).collect();
         let through = |bin: usize| self.top().map_or(1.0, |top| top.transmits(&rays, bin));
         let through: Vec<f64> = (0..bins).map(through).collect();
         let one = |(number, source): (usize, &Source)| {

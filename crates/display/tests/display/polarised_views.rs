@@ -625,7 +625,9 @@ fn faces_above_paper_pass_each_ray_of_wide_fields_and_lamps() {
     };
     for more in [&[][..], &[PATHS]] {
         let allowed = if more.is_empty() { 1e-5 } else { 2e-3 };
-        for (theta_deg, field_deg, angle_deg) in [(50.0, 40.0, 90.0), (20.0, 60.0, 0.0), (60.0, 50.0, 30.0)] {
+        for (theta_deg, field_deg, angle_deg) in
+            [(50.0, 40.0, 90.0), (20.0, 60.0, 0.0), (60.0, 50.0, 30.0), (70.0, 2.0, 90.0)]
+        {
             let own = view(theta_deg, field_deg);
             let uniform = [&["lighting.diffuse=1"], more].concat();
             let polariser = format!("viewer.polariser={angle_deg}");
